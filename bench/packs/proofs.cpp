@@ -290,23 +290,22 @@ class ProofSearch {
   void follow(const Vector& z, const Vector& lambda, Json& proof) const {
     const ScaledProblem scaled(p_);
     const Vector& from = z.size() > 0 ? z : p_.z_u;
-    const double motion = std::max({scaled.norm_of_free_motion(), scaled.norm_of(from), scaled.least_scale()});
-    const ContactProblem contacts(p_, scaled, motion);
+    const ContactProblem contacts(p_, scaled, scaled.scale_of(scaled.norm_of(from)));
     if (!referee::may_prove(p_.size(), p_.rows()))
       throw NoProof("there are no proofs of so large problems with friction");
     const bool coulomb = slip_lifts(p_.law);
-    const ExtendedVector x = contacts.motion(scaled.motion(from));
+    const ExtendedVector x = contacts.motion(from);
     ModeProof found;
     if (coulomb && lambda.size() > 0) {
-      const ExtendedVector l = contacts.multipliers(scaled.multipliers(lambda));
-      found = prove_near(contacts, scaled, {x, l, modes_by_size(contacts, x, l, referee::mode_cut)});
+      const ExtendedVector l = contacts.multipliers(lambda);
+      found = prove_near(contacts, {x, l, modes_by_size(contacts, x, l, referee::mode_cut)});
     }
     if (!found.proven) {
       ExtendedVector slips = ExtendedVector::Zero(std::ssize(contacts.contacts));
       for (Index c = 0; c < slips.size() && coulomb; ++c) slips[c] = contacts.slip(contacts.contacts[at(c)], x);
-      const ConvexBound bound = bound_convex(contacts, scaled, slips, Vector::Zero(slips.size()), nullptr);
-      found.point = {bound.x, bound.lambda, bound.modes};
-      if (coulomb && bound.x.size() > 0) found = prove_near(contacts, scaled, found.point);
+      const ConvexBound bound = bound_convex(contacts, slips, Vector::Zero(slips.size()), nullptr);
+      found.point = bound;
+      if (coulomb && bound.x.size() > 0) found = prove_near(contacts, found.point);
       if (bound.x.size() == 0 || (coulomb && !found.proven)) throw NoProof("no solution was found near it");
     }
     const ModePoint& point = found.point;
@@ -316,8 +315,7 @@ class ProofSearch {
     std::vector<Slide> slides;
     const auto push = [&](Index i, Index end, bool holds) {
       for (; i < end; ++i) {
-        const DoubleDouble own = l[i].scaled(scaled.motion_exponent + scaled.mass_exponent - scaled.row_exponent[i]);
-        force[i] = Hundred(own.hi) + Hundred(own.lo);
+        force[i] = Hundred(l[i].hi) + Hundred(l[i].lo);
         if (holds) held.push_back(i);
       }
     };

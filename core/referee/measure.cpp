@@ -54,7 +54,7 @@ bool fits(const Vector& x, Index size) { return x.size() == size && x.allFinite(
 // "No z meets the rows" is worth what its certificate is worth.
 Verdict judge_infeasible(const Problem& problem, const ScaledProblem& scaled, const Solution& solution,
                          const Reference* reference, Metrics& out) {
-  const double s = std::max(scaled.norm_of_free_motion(), scaled.least_scale());
+  const double s = scaled.scale_of(0);
   const bool slips = problem.has_tangents();
   const Farkas farkas = judge_certificate(scaled, solution.certificate, s, slips ? &problem : nullptr);
   out.scale = scaled.to_problem_norm(s);
@@ -78,8 +78,7 @@ Verdict judge_z(const Problem& problem, const ScaledProblem& scaled, const Solut
   if (fits(solution.lambda, m)) lambda = scaled.multipliers(solution.lambda);
   const ExtendedVector* given = lambda.size() == 0 && m > 0 ? nullptr : &lambda;
 
-  const double s = std::max({scaled.norm_of_free_motion(),
-                             or_infinity(scaled.norm_of(known ? reference->z : solution.z)), scaled.least_scale()});
+  const double s = scaled.scale_of(or_infinity(scaled.norm_of(known ? reference->z : solution.z)));
   out.scale = scaled.to_problem_norm(s);
   take_residuals(scaled, d, given, s, out);
   ErrorBounds proven;
@@ -93,14 +92,12 @@ Verdict judge_z(const Problem& problem, const ScaledProblem& scaled, const Solut
 
   const DistanceBound bound = bound_distance(scaled, d, given);
   // z_error is divided by max(|z_u|, |z*|): the bound takes the least that can be, the verdict "wrong" the greatest.
-  const double least_s = std::max({scaled.norm_of_free_motion(), bound.least_norm, scaled.least_scale()});
-  const double greatest_s = std::max({scaled.norm_of_free_motion(), bound.greatest_norm, scaled.least_scale()});
-  out.z_bound = bound.upper / least_s;
+  out.z_bound = bound.upper / scaled.scale_of(bound.least_norm);
   out.bound_method = bound.method;
   out.bound_sigma_min = bound.sigma_min;
   if (bound.rows == DistanceBound::Rows::infeasible) return known ? Verdict::undecided : Verdict::wrong;
   proven.upper = std::min(proven.upper, out.z_bound);
-  proven.lower = std::max(proven.lower, bound.lower / greatest_s);
+  proven.lower = std::max(proven.lower, bound.lower / scaled.scale_of(bound.greatest_norm));
   if (proven.lower > proven.upper) return Verdict::undecided;
   return by_error(proven.upper, proven.lower, tolerance);
 }
@@ -170,7 +167,7 @@ std::vector<TypeResidual> worst_by_type(const Instance& instance, const Vector& 
   const Problem& p = instance.problem;
   const ScaledProblem scaled(p);
   const ExtendedVector d = scaled.motion(z);
-  const double s = std::max({scaled.norm_of_free_motion(), scaled.norm_of(z), scaled.least_scale()});
+  const double s = scaled.scale_of(scaled.norm_of(z));
   std::map<std::string, TypeResidual> worst;
   for (Index i = 0; i < p.rows(); ++i) {
     if (p.is_tangent(i)) continue;  // a slip violates nothing

@@ -176,8 +176,8 @@ Vector ScaledProblem::rounded_motion(const ExtendedVector& d) const {
   return z;
 }
 
-Vector ScaledProblem::rounded_multipliers(const ExtendedVector& lambda) const {
-  return referee::scaled(lambda, motion_exponent + mass_exponent - row_exponent).cast<double>();
+ExtendedVector ScaledProblem::to_multipliers(const ExtendedVector& lambda) const {
+  return referee::scaled(lambda, motion_exponent + mass_exponent - row_exponent);
 }
 
 ExtendedVector ScaledProblem::motion_of(ExtendedVector d) const {
@@ -196,6 +196,8 @@ ExtendedVector ScaledProblem::multipliers(const Vector& lambda) const {
 }
 
 double ScaledProblem::to_problem_norm(double norm) const { return std::ldexp(norm, norm_exponent()); }
+
+double ScaledProblem::scale_of(double norm) const { return std::max({norm_of_free_motion(), norm, least_scale()}); }
 
 double ScaledProblem::least_scale() const {
   const double scale = std::ldexp(std::numeric_limits<double>::min(), -norm_exponent());

@@ -50,10 +50,11 @@ class ScaledProblem {
   ExtendedVector motion(const Vector& z) const;  // d = z - z_u
   // So that M d = J' lambda stays true; 0 on rows that say nothing, which cannot push.
   ExtendedVector multipliers(const Vector& lambda) const;
-  ExtendedVector motion_of(ExtendedVector d) const;                // of a d in the problem's units
-  Vector rounded_motion(const ExtendedVector& d) const;            // z of the problem, rounded once
-  Vector rounded_multipliers(const ExtendedVector& lambda) const;  // the same
+  ExtendedVector motion_of(ExtendedVector d) const;      // of a d in the problem's units
+  Vector rounded_motion(const ExtendedVector& d) const;  // z of the problem, rounded once
+  ExtendedVector to_multipliers(const ExtendedVector& lambda) const;
   ExtendedVector multipliers(ExtendedVector lambda) const;
+  double scale_of(double norm) const;         // s of a motion of this norm: what errors are divided by
   double least_scale() const;                 // the smallest normal number of the problem's units: s is never below it
   double to_problem_norm(double norm) const;  // kg^1/2 m/s^2
   int norm_exponent() const { return motion_exponent + mass_exponent / 2; }  // of two, from these to the problem's

@@ -20,7 +20,7 @@ using referee::down, referee::up;
 
 // The motion is as large as z_u, or as rows force it.
 double first_scale(const Problem& problem, const ScaledProblem& scaled) {
-  double scale = std::max(scaled.norm_of_free_motion(), scaled.least_scale());
+  double scale = scaled.scale_of(0);
   for (Index i = 0; i < problem.rows(); ++i)
     if (scaled.counts(i) && (problem.is_equality(i) || scaled.violation(i).hi > 0))
       scale = std::max(scale, std::abs(scaled.violation(i).hi) / scaled.row_norm[i]);
@@ -34,7 +34,7 @@ class Search {
 
   bool usable() {
     bool contradictory = p_.fixed_contradiction;
-    if (!contradictory) equalities_ = independent_equalities(p_, scaled_, contradictory);
+    if (!contradictory) equalities_ = independent_equalities(p_, contradictory);
     return p_.exact && !contradictory;
   }
 
@@ -57,7 +57,7 @@ class Search {
 
   void near_motions(const SolutionSearch& search) {
     for (const Vector& z : search.near) {
-      ModePoint point{p_.motion(scaled_.motion(z)), ExtendedVector::Zero(p_.rows()), {}};
+      ModePoint point{p_.motion(z), ExtendedVector::Zero(p_.rows()), {}};
       for (const ContactRows& contact : p_.contacts) {
         const double g = contact.unit > 0 ? contact.unit : 1, touching = referee::alike * p_.scale * g;
         point.modes.push_back(contact.unit == 0 || p_.slack(contact.row, point.x).hi > touching ? ContactMode::open
@@ -96,11 +96,11 @@ class Search {
       ExtendedVector push = ExtendedVector::Zero(p_.rows());
       for (const ContactRows& contact : p_.contacts)
         if (k > 0 && contact.unit > 0) push[contact.row] = 4 * draw() / contact.unit;
-      const WarmStart start{problem_.key, scaled_.rounded_multipliers(p_.to_multipliers(push))};
+      const WarmStart start{problem_.key, p_.to_multipliers(push).cast<double>()};
       method.solve(problem_,
                    {.tolerance = referee::settled, .time_limit = search.deadline.left(), .warm_start = &start}, end);
       if (end.z.size() != problem_.size() || !end.z.allFinite() || !end.lambda.allFinite()) return;
-      ModePoint point{p_.motion(scaled_.motion(end.z)), p_.multipliers(scaled_.multipliers(end.lambda)), {}};
+      ModePoint point{p_.motion(end.z), p_.multipliers(end.lambda), {}};
       for (const double cut : {referee::mode_cut, referee::coarse_mode_cut}) {
         point.modes = modes_by_size(p_, point.x, point.lambda, cut);
         if (keep(prove(point), "Gauss-Seidel")) break;
@@ -119,10 +119,10 @@ class Search {
     return (search.all || !enough) && work_ <= referee::searched_products && !search.deadline.passed();
   }
 
-  ModeProof prove(ModePoint guess) { return prove_near(p_, scaled_, std::move(guess), &work_); }
+  ModeProof prove(ModePoint guess) { return prove_near(p_, std::move(guess), &work_); }
 
   bool take(const InteriorAnswer& answer, const char* method) {
-    if (keep(prove({answer.x, answer.lambda, answer.modes}), method)) return true;
+    if (keep(prove(answer), method)) return true;
     // Modes by size instead, cut at the contact's own scale.
     ModePoint point{answer.x, answer.lambda, modes_by_size(p_, answer.x, answer.lambda, referee::mode_cut)};
     return point.modes != answer.modes && work_ <= referee::searched_products && keep(prove(point), method);
@@ -130,9 +130,7 @@ class Search {
 
   bool keep(const ModeProof& proof, const char* method) {
     if (!proof.proven) return false;
-    const ExtendedVector d = p_.to_motion(proof.point.x);
-    const double s = std::max({p_.free_motion, p_.from_norm(scaled_.norm_with_free_motion(d)) - proof.radius,
-                               p_.from_norm(scaled_.least_scale())});
+    const double s = p_.least_motion(p_.length(proof.point.x) - proof.radius);
     nearest = std::min(nearest, proof.delta / s);
     if (!(proof.delta <= referee::good_delta * s && proof.radius <= referee::good_delta * s)) return false;
     CoulombSolution solution{.radius = proof.radius / s,
@@ -143,10 +141,9 @@ class Search {
                              .continuum = proof.continuum,
                              .modes = proof.point.modes,
                              .method = method};
-    solution.z = scaled_.rounded_motion(d);
-    solution.lambda = scaled_.rounded_multipliers(p_.to_multipliers(proof.point.lambda));
-    const ExtendedVector rounded = p_.motion(scaled_.motion(solution.z));
-    solution.bound = up((distance(rounded, proof.point.x) + proof.radius) / s);
+    solution.z = p_.rounded_motion(proof.point.x);
+    solution.lambda = p_.to_multipliers(proof.point.lambda).cast<double>();
+    solution.bound = up((distance(p_.motion(solution.z), proof.point.x) + proof.radius) / s);
     for (std::size_t k = 0; k < found.size(); ++k) {
       const bool exact = solution.isolated && found[k].isolated && solution.delta == 0 && found[k].delta == 0;
       const double together = exact ? up(proof.radius + radii_[k]) : referee::alike * s;
@@ -154,8 +151,8 @@ class Search {
       if (solution.free_split && found[k].free_split && found[k].modes == solution.modes) return true;
     }
     if (proof.delta == 0) {  // witnesses that contradict each other prove nothing
-      if (none_by_slopes(p_, scaled_, proof.point.x, proof.radius)) return false;
-      solution.by_slopes = prove_by_slopes(p_, scaled_, proof.point.x, proof.point.lambda).exists;
+      if (none_by_slopes(p_, proof.point.x, proof.radius)) return false;
+      solution.by_slopes = prove_by_slopes(p_, proof.point.x, proof.point.lambda).proven;
     }
     points_.push_back(proof.point.x);
     radii_.push_back(proof.radius);
@@ -210,17 +207,13 @@ std::optional<Reference> convex_reference(const Problem& problem, std::string* w
   if (!scaled.definite) return give_up("M is not positive definite");
   const ContactProblem p(problem, scaled, first_scale(problem, scaled));
   const Index count = std::ssize(p.contacts);
-  const ConvexBound found = bound_convex(p, scaled, ExtendedVector::Zero(count), Vector::Zero(count), nullptr);
+  const ConvexBound found = bound_convex(p, ExtendedVector::Zero(count), Vector::Zero(count), nullptr);
   if (found.rows == ConvexBound::Rows::infeasible) return give_up("rows contradict each other");
   if (!(found.upper < std::numeric_limits<double>::infinity())) return give_up("duality bounds no answer");
-  const ExtendedVector d = p.to_motion(found.x);
-  Reference out{.z = scaled.rounded_motion(d),
-                .lambda = scaled.rounded_multipliers(p.to_multipliers(found.lambda)),
+  Reference out{.z = p.rounded_motion(found.x),
+                .lambda = p.to_multipliers(found.lambda).cast<double>(),
                 .method = "interior point, conic duality"};
-  const ExtendedVector off = p.motion(scaled.motion(out.z)) - found.x;
-  const double s = std::max(
-      {p.free_motion, p.from_norm(scaled.norm_with_free_motion(d)) - found.upper, p.from_norm(scaled.least_scale())});
-  out.bound = up((p.norm(off) + found.upper) / s);
+  out.bound = up((p.norm(p.motion(out.z) - found.x) + found.upper) / p.least_motion(p.length(found.x) - found.upper));
   if (!(out.bound <= referee::useful)) return give_up("what duality proves of the answer is too little to be of use");
   return out;
 }

@@ -7,7 +7,7 @@
 
 namespace zwang {
 
-using referee::exponent_of, referee::scaled;
+using referee::exponent_of;
 
 ContactProblem::ContactProblem(const Problem& problem, const ScaledProblem& scaled, double motion_scale)
     : M(scaled.M), J(scaled.J), h_error(Vector::Zero(scaled.rows())), row_norm(scaled.row_norm), scaled_(&scaled) {
@@ -81,12 +81,16 @@ ContactProblem::ContactProblem(const Problem& problem, const ScaledProblem& scal
   scale = from_norm(motion_scale);
 }
 
-ExtendedVector ContactProblem::motion(const ExtendedVector& d) const { return scaled(d, column_shift_ - shift); }
+ExtendedVector ContactProblem::motion(const Vector& z) const {
+  return referee::scaled(scaled_->motion(z), column_shift_ - shift);
+}
 
-ExtendedVector ContactProblem::to_motion(const ExtendedVector& x) const { return scaled(x, shift - column_shift_); }
+Vector ContactProblem::rounded_motion(const ExtendedVector& x) const {
+  return scaled_->rounded_motion(referee::scaled(x, shift - column_shift_));
+}
 
-ExtendedVector ContactProblem::multipliers(const ExtendedVector& lambda) const {
-  const ExtendedVector own = scaled(lambda, row_shift_ - shift);
+ExtendedVector ContactProblem::multipliers(const Vector& lambda) const {
+  const ExtendedVector own = referee::scaled(scaled_->multipliers(lambda), row_shift_ - shift);
   ExtendedVector l = ExtendedVector::Zero(lambda.size());
   for (const Index i : equalities) l[i] = own[i];
   for (const ContactRows& contact : contacts)
@@ -95,7 +99,15 @@ ExtendedVector ContactProblem::multipliers(const ExtendedVector& lambda) const {
 }
 
 ExtendedVector ContactProblem::to_multipliers(const ExtendedVector& lambda) const {
-  return scaled(lambda, shift - row_shift_);
+  return scaled_->to_multipliers(referee::scaled(lambda, shift - row_shift_));
+}
+
+double ContactProblem::length(const ExtendedVector& x) const {
+  return from_norm(scaled_->norm_with_free_motion(referee::scaled(x, shift - column_shift_)));
+}
+
+double ContactProblem::least_motion(double length) const {
+  return std::max({free_motion, length, from_norm(scaled_->least_scale())});
 }
 
 int ContactProblem::block_exponent(Index row) const { return row_shift_[row] + scaled_->row_exponent[row]; }
@@ -114,6 +126,10 @@ double ContactProblem::slack_error(Index row, const ExtendedVector& x) const {
 }
 
 double ContactProblem::reach(Index row, const Vector& radius) const { return J.row(row).cwiseAbs().dot(radius); }
+
+void ContactProblem::add_push(Index row, double most, Vector& force) const {
+  for (decltype(J)::InnerIterator it(J, row); it; ++it) force[it.col()] += std::abs(it.value()) * most;
+}
 
 DoubleDouble ContactProblem::slip(const ContactRows& contact, const ExtendedVector& x) const {
   if (contact.rows() == 1) return {};
@@ -162,7 +178,7 @@ double ContactProblem::dual_norm(const Vector& bound) const {
 
 // With M' = D^-1 M D^-1, |r'|_(M'^-1) = |D r'|_(M^-1), D = 2^column_shift.
 double ContactProblem::dual_norm(const ExtendedVector& r) const {
-  return referee::up(scaled_->dual_norm(scaled(r, column_shift_)));
+  return referee::up(scaled_->dual_norm(referee::scaled(r, column_shift_)));
 }
 
 VectorX<FactorReal> ContactProblem::whitened_row(Index row) const {
@@ -175,8 +191,8 @@ VectorX<FactorReal> ContactProblem::whitened_row(Index row) const {
 ExtendedVector ContactProblem::motion_by(const ExtendedVector& lambda, int rounds) const {
   ExtendedVector x = ExtendedVector::Zero(size());
   for (int round = 0; round < rounds; ++round) {
-    const ExtendedVector force = scaled(force_residual(x, lambda), column_shift_);
-    x -= scaled(scaled_->unwhiten(scaled_->whiten(force)).cast<DoubleDouble>(), column_shift_);
+    const ExtendedVector force = referee::scaled(force_residual(x, lambda), column_shift_);
+    x -= referee::scaled(scaled_->unwhiten(scaled_->whiten(force)).cast<DoubleDouble>(), column_shift_);
   }
   return x;
 }

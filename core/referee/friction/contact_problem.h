@@ -28,17 +28,23 @@ class ContactProblem {
   Index size() const { return M.cols(); }
   Index rows() const { return J.rows(); }
 
-  // From the scaled problem's units, and back. What is left out pushes nothing: its multipliers are 0.
-  ExtendedVector motion(const ExtendedVector& d) const;
-  ExtendedVector multipliers(const ExtendedVector& lambda) const;
-  ExtendedVector to_motion(const ExtendedVector& x) const;
+  const ScaledProblem& scaled() const { return *scaled_; }
+
+  // From the problem's units, and back. What is left out pushes nothing: its multipliers are 0.
+  ExtendedVector motion(const Vector& z) const;  // z - z_u
+  ExtendedVector multipliers(const Vector& lambda) const;
+  Vector rounded_motion(const ExtendedVector& x) const;  // z, rounded once
   ExtendedVector to_multipliers(const ExtendedVector& lambda) const;
   int block_exponent(Index row) const;                                      // the problem's row is 2^e of ours
-  double from_norm(double norm) const { return std::ldexp(norm, -shift); }  // of the M-norm
+  double from_norm(double norm) const { return std::ldexp(norm, -shift); }  // an M-norm of scaled()
+
+  double length(const ExtendedVector& x) const;  // |z_u + x|_M
+  double least_motion(double length) const;      // what errors are divided by, where |z|_M is at least `length`
 
   DoubleDouble slack(Index row, const ExtendedVector& x) const;
   double slack_error(Index row, const ExtendedVector& x) const;                  // bounds the rounding of slack()
   double reach(Index row, const Vector& radius) const;                           // |J_row| radius
+  void add_push(Index row, double most, Vector& force) const;                    // force += |J_row|' most
   DoubleDouble slip(const ContactRows& contact, const ExtendedVector& x) const;  // |s_t|
   double slip_error(const ContactRows& contact, const ExtendedVector& x) const;
   ExtendedVector force_residual(const ExtendedVector& x, const ExtendedVector& lambda) const;  // M x - J'lambda

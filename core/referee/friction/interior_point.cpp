@@ -136,8 +136,7 @@ class InteriorPoint {
   }
 
   InteriorAnswer answer() const {
-    InteriorAnswer out{.x = x_, .lambda = multipliers(y_), .modes = {}};
-    out.modes.assign(p_.contacts.size(), ContactMode::open);
+    InteriorAnswer out{{x_, multipliers(y_), std::vector(p_.contacts.size(), ContactMode::open)}};
     for (std::size_t k = 0; k < cones_.size(); ++k) out.modes[cones_[k]] = mode_of<Real>(y_[k], w_[k]);
     return out;
   }

@@ -9,9 +9,7 @@
 namespace zwang {
 
 // An answer on the way: strictly inside both cones up to the residual that is left.
-struct InteriorAnswer {
-  ExtendedVector x, lambda;
-  std::vector<ContactMode> modes;     // by the eigenvalues of both sides
+struct InteriorAnswer : ModePoint {   // modes: by the eigenvalues of both sides
   double complementarity = infinity;  // mean of lambda's~ over the contacts
   double residual = infinity;
 };

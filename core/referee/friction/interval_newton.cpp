@@ -38,9 +38,8 @@ Part independent_part(Eigen::FullPivLU<Matrix>& lu, Index count, double threshol
 
 class Krawczyk {
  public:
-  Krawczyk(const ContactProblem& problem, const ScaledProblem& scaled, const ModePoint& point, const ModeSystem& system,
-           const Part& part)
-      : p_(problem), scaled_(scaled), point_(point), system_(system), part_(part) {}
+  Krawczyk(const ContactProblem& problem, const ModePoint& point, const ModeSystem& system, const Part& part)
+      : p_(problem), point_(point), system_(system), part_(part) {}
 
   ModeProof prove() {
     ModeProof proof{.point = point_};
@@ -137,9 +136,7 @@ class Krawczyk {
       const double slip = p_.slip(contact, point_.x).hi;
       const double turn = referee::rounding_of_few + 4 * p_.slip_error(contact, point_.x) / slip;
       const double push = contact.mu * std::abs(point_.lambda[contact.row].hi) * turn;
-      for (Index t = 1; t < contact.rows(); ++t)
-        for (RowMatrix::InnerIterator it(p_.J, contact.row + t); it; ++it)
-          error[it.col()] += std::abs(it.value()) * push;
+      for (Index t = 1; t < contact.rows(); ++t) p_.add_push(contact.row + t, push, error);
     }
     for (std::size_t k = 0; k < part_.rows.size(); ++k) {
       const Index row = system_.active[at(part_.rows[k])].row, at = n + static_cast<Index>(k);
@@ -186,11 +183,8 @@ class Krawczyk {
         bound += contact.mu * reach *
                  ((push + push_radius) * 2 * reach / least / least + (push_radius + lost) / least +
                   4 * push * rounding / least);
-      for (Index t = 1; t < contact.rows(); ++t)
-        for (RowMatrix::InnerIterator it(p_.J, contact.row + t); it; ++it)
-          out[it.col()] += std::abs(it.value()) * bound;
-      for (RowMatrix::InnerIterator it(p_.J, contact.row); it; ++it)
-        out[it.col()] += std::abs(it.value()) * push_radius * rounding;
+      for (Index t = 1; t < contact.rows(); ++t) p_.add_push(contact.row + t, bound, out);
+      p_.add_push(contact.row, push_radius * rounding, out);
     }
     for (Index j = 0; j < n; ++j)
       for (SparseMatrix::InnerIterator it(p_.M, j); it; ++it)
@@ -237,7 +231,7 @@ class Krawczyk {
       if (point_.modes[c] == ContactMode::open) {
         const double slack = p_.slack(contact.row, point_.x).hi;
         if (contact.unit == 0) {  // exact: it holds or not
-          if (!scaled_.zero_row_holds(contact.row)) off({.off = infinity});
+          if (!p_.scaled().zero_row_holds(contact.row)) off({.off = infinity});
           continue;
         }
         const double spread = (p_.slack_error(contact.row, point_.x) + p_.reach(contact.row, radius)) * up(1);
@@ -329,7 +323,7 @@ class Krawczyk {
     };
     const auto add_stored = [&](Index row) {
       for (RowMatrix::InnerIterator it(p_.J, row); it; ++it) put(it.col(), it.value());
-      exact &= (p_.c[row] == 0) == (scaled_.c[row] == 0);
+      exact &= (p_.c[row] == 0) == (p_.scaled().c[row] == 0);
       close(p_.c[row]);
     };
     for (const Index k : part_.rows) add_stored(system_.active[at(k)].row);
@@ -338,7 +332,7 @@ class Krawczyk {
       for (Index j = 0; j < n; ++j) {
         put(j, 1);
         put(n + j, -1);
-        exact &= (p_.z_u[j] == 0) == (scaled_.z_u[j] == 0);
+        exact &= (p_.z_u[j] == 0) == (p_.scaled().z_u[j] == 0);
         close(p_.z_u[j]);
         for (RowMatrix::InnerIterator it(M, j); it; ++it) put(n + it.col(), it.value());
         for (RowMatrix::InnerIterator it(transposed, j); it; ++it)
@@ -407,9 +401,7 @@ class Krawczyk {
       if (row.slides) {
         const ContactRows& contact = p_.contacts[at(row.contact)];
         const double turn = contact.mu * (slip_turn(contact, r.head(n)) + gamma);
-        for (Index t = 0; t < contact.rows(); ++t)
-          for (RowMatrix::InnerIterator it(p_.J, contact.row + t); it; ++it)
-            error[it.col()] += std::abs(it.value()) * (t == 0 ? gamma : turn);
+        for (Index t = 0; t < contact.rows(); ++t) p_.add_push(contact.row + t, t == 0 ? gamma : turn, error);
       }
       const Vector move = R_ * column;
       error = (absolute_R_ * (error + gamma * column.cwiseAbs())).eval() * up(1);
@@ -421,14 +413,13 @@ class Krawczyk {
   }
 
   const ContactProblem& p_;
-  const ScaledProblem& scaled_;
   ModePoint point_;
   ModeSystem system_;
   Part part_;
   Matrix R_, absolute_R_;
 };
 
-ModeProof prove_modes(const ContactProblem& problem, const ScaledProblem& scaled, const ModePoint& point) {
+ModeProof prove_modes(const ContactProblem& problem, const ModePoint& point) {
   ModeProof best{.point = point};
   const ModeSystem system(problem, point, nullptr);
   if (!system.usable || !problem.exact) return best;
@@ -441,7 +432,7 @@ ModeProof prove_modes(const ContactProblem& problem, const ScaledProblem& scaled
   for (const double threshold : referee::independent_pivots) {
     const Part part = independent_part(lu, count, threshold);
     if (part.rows.size() == std::exchange(rank, part.rows.size())) continue;
-    ModeProof proof = Krawczyk(problem, scaled, point, system, part).prove();
+    ModeProof proof = Krawczyk(problem, point, system, part).prove();
     if (proof.proven && (!best.proven || proof.delta < best.delta)) best = std::move(proof);
     if (best.proven && best.delta == 0) break;
   }
@@ -450,7 +441,7 @@ ModeProof prove_modes(const ContactProblem& problem, const ScaledProblem& scaled
 
 }  // namespace
 
-ModeProof prove_near(const ContactProblem& problem, const ScaledProblem& scaled, ModePoint guess, double* work) {
+ModeProof prove_near(const ContactProblem& problem, ModePoint guess, double* work) {
   double own_work = 0;
   ModeProof best{.point = guess};
   std::vector<std::vector<ContactMode>> tried;
@@ -460,7 +451,7 @@ ModeProof prove_near(const ContactProblem& problem, const ScaledProblem& scaled,
     tried.push_back(guess.modes);
     const double left = polish(problem, guess, nullptr, &own_work);
     if (left < referee::polished) {
-      ModeProof proof = prove_modes(problem, scaled, guess);
+      ModeProof proof = prove_modes(problem, guess);
       if (proof.proven && (!best.proven || proof.delta < best.delta)) best = std::move(proof);
       if (best.proven && best.delta == 0) break;
     }

@@ -42,10 +42,6 @@ Slips slips_at(const ContactProblem& p, const ExtendedVector& x, Law law) {
   return out;
 }
 
-double norm_of_answer(const ContactProblem& p, const ScaledProblem& scaled, const ExtendedVector& x) {
-  return p.from_norm(scaled.norm_with_free_motion(p.to_motion(x)));
-}
-
 bool may_bound(const ContactProblem& p) {
   return referee::may_prove(p.size(), p.rows()) && (p.equalities.empty() || p.rows() <= referee::self_rows);
 }
@@ -58,15 +54,13 @@ bool rows_contradict(const Problem& problem, const Vector& z) {
   return bound_distance(scaled, scaled.motion(z), nullptr).rows == DistanceBound::Rows::infeasible;
 }
 
-// A proven solution of Coulomb's law near x, from each guess until one is near enough.
+// The proven solution of Coulomb's law that is nearest to x, of those from each guess until one is near enough.
 struct Nearest {
   ModeProof proof;
   double upper = infinity;  // |z - solution|_M
 };
 
-void consider(const ContactProblem& p, const ScaledProblem& scaled, const ExtendedVector& x, ModePoint guess,
-              Nearest& nearest) {
-  ModeProof proof = prove_near(p, scaled, std::move(guess));
+void consider(const ContactProblem& p, const ExtendedVector& x, ModeProof proof, Nearest& nearest) {
   if (!proof.proven) return;
   const double upper = up(distance(p, x, proof.point.x) + proof.radius);
   // A solution of these rows comes before one of others, however near.
@@ -77,20 +71,6 @@ void consider(const ContactProblem& p, const ScaledProblem& scaled, const Extend
     return;
   nearest.upper = upper;
   nearest.proof = std::move(proof);
-}
-
-// The second witness, from a point near a solution.
-void consider_slopes(const ContactProblem& p, const ScaledProblem& scaled, const ExtendedVector& x,
-                     const ExtendedVector& near, const ExtendedVector& lambda, Nearest& nearest) {
-  const SlopeProof slopes = prove_by_slopes(p, scaled, near, lambda);
-  if (!slopes.exists) return;
-  nearest.upper = up(distance(p, x, slopes.x) + slopes.radius);
-  nearest.proof = {.proven = true,
-                   .point = {slopes.x, slopes.lambda, modes_by_size(p, slopes.x, slopes.lambda, referee::mode_cut)},
-                   .radius = slopes.radius,
-                   .delta = 0,
-                   .unique_forces = true,
-                   .by = "slopes of the natural map"};
 }
 
 // What can be proven of an answer, in the units of a ContactProblem, in the M-norm.
@@ -141,24 +121,23 @@ double distance_to_solutions(double off, double turn) {
 }
 
 // The last witness: in rationals.
-void consider_exactly(const Problem& problem, const ScaledProblem& scaled, const ContactProblem& p,
-                      const ExtendedVector& x, const ExtendedVector& lambda, const ConvexBound& convex, Found& found) {
+void consider_exactly(const Problem& problem, const ContactProblem& p, const ExtendedVector& x,
+                      const ExtendedVector& lambda, const ConvexBound& convex, Found& found) {
   Nearest& nearest = found.nearest;
-  const auto motion = [&](const ExtendedVector& of) { return scaled.rounded_motion(p.to_motion(of)); };
-  const auto forces = [&](const ExtendedVector& of) { return scaled.rounded_multipliers(p.to_multipliers(of)); };
+  const auto forces = [&](const ExtendedVector& of) -> Vector { return p.to_multipliers(of).cast<double>(); };
   std::vector<Vector> points, guesses;
   if (lambda.size() > 0) guesses.push_back(forces(lambda));
   if (nearest.proof.proven) {
-    points.push_back(motion(nearest.proof.point.x));
+    points.push_back(p.rounded_motion(nearest.proof.point.x));
     guesses.push_back(forces(nearest.proof.point.lambda));
   }
   if (convex.upper < infinity) {
-    points.push_back(motion(convex.x));
+    points.push_back(p.rounded_motion(convex.x));
     guesses.push_back(forces(convex.lambda));
   }
-  const auto exact = exact_point(problem, motion(x), points, guesses);
+  const auto exact = exact_point(problem, p.rounded_motion(x), points, guesses);
   if (!exact) return;
-  const auto own = [&](double norm) { return p.from_norm(std::ldexp(norm, -scaled.norm_exponent())); };
+  const auto own = [&](double norm) { return p.from_norm(std::ldexp(norm, -p.scaled().norm_exponent())); };
   const double distance = own(exact->distance), size = own(exact->size);
   if (!slip_lifts(problem.law)) {
     found.rows = ConvexBound::Rows::feasible;
@@ -172,8 +151,8 @@ void consider_exactly(const Problem& problem, const ScaledProblem& scaled, const
   }
 }
 
-Found find(const Problem& problem, const ScaledProblem& scaled, const ContactProblem& p, const ExtendedVector& x,
-           const ExtendedVector& lambda, double tolerance) {
+Found find(const Problem& problem, const ContactProblem& p, const ExtendedVector& x, const ExtendedVector& lambda,
+           double tolerance) {
   const bool coulomb = slip_lifts(problem.law), has_lambda = lambda.size() > 0;
   const Slips slips = slips_at(p, x, problem.law);
   ModePoint guess{x, lambda, {}};
@@ -184,13 +163,13 @@ Found find(const Problem& problem, const ScaledProblem& scaled, const ContactPro
   const auto within = [&](double far) {
     return nearest.proof.proven && nearest.proof.delta == 0 && nearest.upper <= far * p.scale;
   };
-  if (coulomb && has_lambda) consider(p, scaled, x, guess, nearest);
+  if (coulomb && has_lambda) consider(p, x, prove_near(p, guess), nearest);
   // Z(sigma(z)), or under the convex law its one answer.
   ConvexBound convex;
   if (may_bound(p)) {
     if (nearest.proof.proven) guess = nearest.proof.point;
     const bool needs_less = !coulomb || within(accepted);  // beside a proof it may only contradict
-    convex = bound_convex(p, scaled, slips.sigma, slips.error, guess.modes.empty() ? nullptr : &guess,
+    convex = bound_convex(p, slips.sigma, slips.error, guess.modes.empty() ? nullptr : &guess,
                           std::max(needs_less ? enough * accepted * p.scale : 0, referee::sharp_enough));
   }
   found.rows = convex.rows;
@@ -201,31 +180,28 @@ Found find(const Problem& problem, const ScaledProblem& scaled, const ContactPro
     found.lower = std::max(0.0, down(off) - convex.upper);
     if (coulomb) {
       const bool far = found.lower > near_error(tolerance) * p.scale;
-      found.lower = far ? distance_to_solutions(found.lower, bound_turn(p, scaled)) : 0;
+      found.lower = far ? distance_to_solutions(found.lower, bound_turn(p)) : 0;
     }
-    found.convex_size = norm_of_answer(p, scaled, convex.x);
+    found.convex_size = p.length(convex.x);
     found.convex_error = convex.upper;
   }
   if (!coulomb) {
     if (found.rows != ConvexBound::Rows::infeasible && found.upper > accepted * p.scale)
-      consider_exactly(problem, scaled, p, x, lambda, convex, found);
+      consider_exactly(problem, p, x, lambda, convex, found);
     return found;
   }
-  if (!within(accepted) && convex.upper < infinity)
-    consider(p, scaled, x, {convex.x, convex.lambda, convex.modes}, nearest);
-  if (!within(infinity)) {
-    if (nearest.proof.proven)
-      consider_slopes(p, scaled, x, nearest.proof.point.x, nearest.proof.point.lambda, nearest);
-    else if (convex.upper < infinity)
-      consider_slopes(p, scaled, x, convex.x, convex.lambda, nearest);
+  if (!within(accepted) && convex.upper < infinity) consider(p, x, prove_near(p, convex), nearest);
+  if (!within(infinity) && (nearest.proof.proven || convex.upper < infinity)) {
+    const ModePoint& from = nearest.proof.proven ? nearest.proof.point : convex;
+    consider(p, x, prove_by_slopes(p, from.x, from.lambda), nearest);
   }
   // A little more than what makes z wrong.
   const double wrong = 1.001 * near_error(tolerance), far = wrong < 1 ? wrong / (1 - wrong) * p.scale : infinity;
-  if (!within(near_error(tolerance)) && found.lower < far && far < infinity && none_by_slopes(p, scaled, x, far))
+  if (!within(near_error(tolerance)) && found.lower < far && far < infinity && none_by_slopes(p, x, far))
     found.lower = far;
-  if (nearest.proof.proven) found.nearest_size = norm_of_answer(p, scaled, nearest.proof.point.x);
+  if (nearest.proof.proven) found.nearest_size = p.length(nearest.proof.point.x);
   if (found.rows != ConvexBound::Rows::infeasible && !within(accepted))
-    consider_exactly(problem, scaled, p, x, lambda, convex, found);
+    consider_exactly(problem, p, x, lambda, convex, found);
   return found;
 }
 
@@ -236,10 +212,10 @@ Found find_apart(const std::vector<IslandPart>& islands, const ScaledProblem& sc
   for (const IslandPart& island : islands) {
     const ScaledProblem part(island.problem);
     const ContactProblem p(island.problem, part, std::ldexp(scale, scaled.norm_exponent() - part.norm_exponent()));
-    const ExtendedVector x = p.motion(part.motion(solution.z(island.columns)));
+    const ExtendedVector x = p.motion(solution.z(island.columns));
     ExtendedVector lambda;
-    if (has_lambda) lambda = p.multipliers(part.multipliers(Vector(solution.lambda(island.rows))));
-    const Found found = island.rows.empty() ? found_free(p, x) : find(island.problem, part, p, x, lambda, tolerance);
+    if (has_lambda) lambda = p.multipliers(solution.lambda(island.rows));
+    const Found found = island.rows.empty() ? found_free(p, x) : find(island.problem, p, x, lambda, tolerance);
     all ? all->join(found) : void(all = found);
   }
   return *all;
@@ -264,7 +240,7 @@ bool proven_feasible(const Problem& problem, const ScaledProblem& scaled, double
   Slips slips = slips_at(p, ExtendedVector::Zero(p.size()), problem.law);
   for (Index c = 0; c < slips.sigma.size(); ++c)
     if (p.contacts[at(c)].unit > 0) slips.sigma[c] = 0, slips.error[c] = 0;
-  const ConvexBound bound = bound_convex(p, scaled, slips.sigma, slips.error, nullptr);
+  const ConvexBound bound = bound_convex(p, slips.sigma, slips.error, nullptr);
   return slip_lifts(problem.law) ? bound.interior : bound.rows == ConvexBound::Rows::feasible;
 }
 
@@ -279,9 +255,9 @@ Verdict judge_friction(const Problem& problem, const ScaledProblem& scaled, cons
   const bool moves = !problem.z_u.isZero(0) || !solution.z.isZero(0);
   if (moves && !(own_scale > scaled.least_scale())) return Verdict::undecided;
   const ContactProblem p(problem, scaled, own_scale);
-  const ExtendedVector x = p.motion(scaled.motion(solution.z));
+  const ExtendedVector x = p.motion(solution.z);
   ExtendedVector lambda;
-  if (has_lambda) lambda = p.multipliers(scaled.multipliers(solution.lambda));
+  if (has_lambda) lambda = p.multipliers(solution.lambda);
   out.scale = scaled.to_problem_norm(own_scale);
   out.friction = friction_residuals(p, problem.law, x, has_lambda ? &lambda : nullptr);
   out.primal = out.friction.penetration;
@@ -296,8 +272,7 @@ Verdict judge_friction(const Problem& problem, const ScaledProblem& scaled, cons
   const double accepted = accepted_error(tolerance);
   ErrorBounds from_reference;
   if (known) {
-    const double s = std::max({scaled.norm_of_free_motion(), scaled.norm_of(reference->z), scaled.least_scale()});
-    out.z_error = distance(p, x, p.motion(scaled.motion(reference->z))) / p.from_norm(s);
+    out.z_error = distance(p, x, p.motion(reference->z)) / p.from_norm(scaled.scale_of(scaled.norm_of(reference->z)));
     from_reference = error_bounds(problem, *reference, out.z_error);
     const Verdict verdict = by_error(from_reference.upper, from_reference.lower, tolerance);
     if (!slip_lifts(problem.law) && verdict != Verdict::undecided) return verdict;
@@ -311,14 +286,12 @@ Verdict judge_friction(const Problem& problem, const ScaledProblem& scaled, cons
   const std::vector<IslandPart> islands = split_islands(problem);
   const auto may = [](const auto& part) { return referee::may_prove(part.size(), part.rows()); };
   if (islands.empty() ? !may(p) : !std::ranges::all_of(islands, may, &IslandPart::problem)) return Verdict::undecided;
-  const Found found = islands.empty() ? find(problem, scaled, p, x, lambda, tolerance)
+  const Found found = islands.empty() ? find(problem, p, x, lambda, tolerance)
                                       : find_apart(islands, scaled, solution, has_lambda, own_scale, tolerance);
   if (found.rows == ConvexBound::Rows::infeasible) return Verdict::wrong;
   double upper = infinity, lower = 0;
   if (found.upper < infinity) {
-    const double least =
-        std::max({p.free_motion, found.convex_size - found.convex_error, p.from_norm(scaled.least_scale())});
-    upper = found.upper / least;
+    upper = found.upper / p.least_motion(found.convex_size - found.convex_error);
     // The larger of |z| and |z_u| is p.scale, and the solution may be longer by its distance.
     lower = found.lower / (p.scale + found.lower);
   }
@@ -329,8 +302,7 @@ Verdict judge_friction(const Problem& problem, const ScaledProblem& scaled, cons
   }
   out.friction.self_bound = upper;
   if (const Nearest& nearest = found.nearest; nearest.proof.proven) {
-    const double least =
-        std::max({p.free_motion, found.nearest_size - nearest.proof.radius, p.from_norm(scaled.least_scale())});
+    const double least = p.least_motion(found.nearest_size - nearest.proof.radius);
     out.z_bound = nearest.upper / least;
     out.bound_method = nearest.proof.by;
     out.friction.radius = nearest.proof.radius / least;

@@ -2,6 +2,7 @@
 
 #include <Eigen/Dense>
 #include <array>
+#include <string_view>
 #include <vector>
 
 #include <zwang/core/referee/friction/contact_problem.h>
@@ -15,6 +16,19 @@ enum class ContactMode : unsigned char { open, slide, stick };
 struct ModePoint {
   ExtendedVector x, lambda;
   std::vector<ContactMode> modes;
+};
+
+// What is proven of a solution of Coulomb's law near a point, in the units of a ContactProblem.
+struct ModeProof {
+  bool proven = false;
+  ModePoint point = {};
+  double radius = infinity;    // |z - z_point|_M / s
+  double delta = infinity;     // > 0: the solution is one of rows that are off by so much, of s
+  bool strict = false;         // every inequality of the modes holds on the whole box with something to spare
+  double null_motion = 0;      // largest |dz|_M of a unit change of multipliers that keeps the equations
+  bool unique_forces = false;  // no multipliers are free to change
+  std::string_view by = "interval Newton";
+  bool continuum = false;  // proven: strict, delta = 0, and z moves as multipliers that are free to change do
 };
 
 // Modes by each contact's own scale: `cut` of its |lambda| + |s| counts as zero.

@@ -60,11 +60,10 @@ void add_between(double mu, Index tangents, const Eigen::Vector2d& u_t, double t
 // F, [S] and K(Z) of the header. A vector of unknowns has x first, then one entry a row that may push.
 class NormalMap {
  public:
-  NormalMap(const ContactProblem& p, const ScaledProblem& scaled)
-      : p_(p), n_(p.size()), size_(n_ + std::ssize(p.equalities)) {
+  explicit NormalMap(const ContactProblem& p) : p_(p), n_(p.size()), size_(n_ + std::ssize(p.equalities)) {
     usable = p.exact && !p.fixed_contradiction;
     for (const ContactRows& contact : p.contacts) {
-      if (contact.unit == 0) usable &= scaled.zero_row_holds(contact.row);
+      if (contact.unit == 0) usable &= p.scaled().zero_row_holds(contact.row);
       if (contact.unit == 0) continue;
       const Index rows = contact.rows();
       parts_.push_back(
@@ -76,7 +75,7 @@ class NormalMap {
 
   bool usable;
 
-  SlopeProof prove(const ExtendedVector& x, const ExtendedVector& lambda) {
+  ModeProof prove(const ExtendedVector& x, const ExtendedVector& lambda) {
     start(x, lambda);
     r_ = Vector::Zero(size_);
     double last = infinity;
@@ -92,7 +91,13 @@ class NormalMap {
     for (int round = 0; round < inflations && precondition(); ++round) {
       const Vector image = (moved_ + error_ + turned()) * up(1);
       if (!image.allFinite()) break;
-      if ((image.array() < r_.array()).all()) return {true, centre(), lambda_, p_.norm_bound(r_.head(n_))};
+      if ((image.array() < r_.array()).all())
+        return {.proven = true,
+                .point = {centre(), lambda_, modes_by_size(p_, centre(), lambda_, referee::mode_cut)},
+                .radius = p_.norm_bound(r_.head(n_)),
+                .delta = 0,
+                .unique_forces = true,
+                .by = "slopes of the natural map"};
       r_ = image * referee::inflated + Vector::Constant(size_, underflow_of_squares);
     }
     return {};
@@ -226,8 +231,7 @@ class NormalMap {
         value_[part.at + t] = (s + u[t] - projected[t]).hi;
         error_[part.at + t] += part.rho * (p_.slack_error(part.row() + t, x) + (t == 0 ? slip_error : 0)) +
                                referee::rounding_of_few * (size + std::abs(s.hi));
-        for (RowMatrix::InnerIterator it(p_.J, part.row() + t); it; ++it)
-          error_[it.col()] += referee::rounding_of_few * size * std::abs(it.value());
+        p_.add_push(part.row() + t, referee::rounding_of_few * size, error_);
       }
     }
     value_.head(n_) = p_.force_residual(x, lambda_).cast<double>();
@@ -345,15 +349,13 @@ class NormalMap {
 
 }  // namespace
 
-SlopeProof prove_by_slopes(const ContactProblem& problem, const ScaledProblem& scaled, const ExtendedVector& x,
-                           const ExtendedVector& lambda) {
-  NormalMap map(problem, scaled);
-  return map.usable ? map.prove(x, lambda) : SlopeProof{};
+ModeProof prove_by_slopes(const ContactProblem& problem, const ExtendedVector& x, const ExtendedVector& lambda) {
+  NormalMap map(problem);
+  return map.usable ? map.prove(x, lambda) : ModeProof{};
 }
 
-bool none_by_slopes(const ContactProblem& problem, const ScaledProblem& scaled, const ExtendedVector& x,
-                    double distance) {
-  NormalMap map(problem, scaled);
+bool none_by_slopes(const ContactProblem& problem, const ExtendedVector& x, double distance) {
+  NormalMap map(problem);
   return map.usable && map.none_within(x, distance);
 }
 

@@ -1,8 +1,6 @@
 #pragma once
 
-#include <limits>
-
-#include <zwang/core/referee/friction/contact_problem.h>
+#include <zwang/core/referee/friction/mode_system.h>
 
 namespace zwang {
 
@@ -23,19 +21,12 @@ namespace zwang {
 // rounding; F(z_0) in double-double. With lambda itself as the unknown, lambda and s widen u apart, and at the edge of
 // a cone nothing contracts. Where contacts depend on each other [S] is singular, and nothing is proven. Dense: O(N^3),
 // N unknowns and forces, up to referee::slopes_limit.
-struct SlopeProof {
-  bool exists = false;
-  ExtendedVector x = {}, lambda = {};
-  double radius = infinity;  // |x - solution|_M
-};
-
+//
 // A solution near (x, lambda), to which a few Newton steps are taken first.
-SlopeProof prove_by_slopes(const ContactProblem& problem, const ScaledProblem& scaled, const ExtendedVector& x,
-                           const ExtendedVector& lambda);
+ModeProof prove_by_slopes(const ContactProblem& problem, const ExtendedVector& x, const ExtendedVector& lambda);
 
 // Is it proven that no solution is within `distance` of x, |.|_M? Of its forces nothing is assumed: the balance of
 // forces bounds them, where contacts that may touch do not depend on each other.
-bool none_by_slopes(const ContactProblem& problem, const ScaledProblem& scaled, const ExtendedVector& x,
-                    double distance);
+bool none_by_slopes(const ContactProblem& problem, const ExtendedVector& x, double distance);
 
 }  // namespace zwang

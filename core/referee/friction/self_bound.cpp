@@ -16,20 +16,19 @@ using referee::or_infinity, referee::up;
 
 class Duality {
  public:
-  Duality(const ContactProblem& problem, const ScaledProblem& scaled, const ExtendedVector& sigma,
-          const Vector& sigma_error, std::vector<Index> equalities)
+  Duality(const ContactProblem& problem, const ExtendedVector& sigma, const Vector& sigma_error,
+          std::vector<Index> equalities)
       : p_(problem),
-        scaled_(scaled),
         sigma_(sigma),
         sigma_error_(sigma_error),
         equalities_(std::move(equalities)),
         orthogonal_(problem.size()) {
     for (const Index i : equalities_) {
-      const auto split = orthogonal_.split(scaled.unit_row(i));
+      const auto split = orthogonal_.split(p_.scaled().unit_row(i));
       if (split.dependent) return;
       orthogonal_.append(split);
     }
-    sigma_min_ = orthogonal_.sigma_min(scaled, equalities_);
+    sigma_min_ = orthogonal_.sigma_min(p_.scaled(), equalities_);
     Matrix rows(static_cast<Index>(equalities_.size()), p_.size());
     for (Index k = 0; k < rows.rows(); ++k) {
       const Index i = equalities_[at(k)];
@@ -118,8 +117,8 @@ class Duality {
   bool fixed_holds(Index c) const {
     const ContactRows& contact = p_.contacts[at(c)];
     const bool lifted = sigma_error_[c] > 0;
-    if (contact.rows() == 1 || lifted) return scaled_.zero_row_holds(contact.row);
-    const auto c_of = scaled_.stored_c.segment(contact.row, contact.rows());
+    if (contact.rows() == 1 || lifted) return p_.scaled().zero_row_holds(contact.row);
+    const auto c_of = p_.scaled().stored_c.segment(contact.row, contact.rows());
     const double top = c_of.lpNorm<Eigen::Infinity>();
     if (top == 0) return true;
     DoubleDouble squares;
@@ -209,7 +208,6 @@ class Duality {
   }
 
   const ContactProblem& p_;
-  const ScaledProblem& scaled_;
   const ExtendedVector& sigma_;
   const Vector& sigma_error_;
   std::vector<Index> equalities_;
@@ -220,21 +218,21 @@ class Duality {
 
 }  // namespace
 
-std::vector<Index> independent_equalities(const ContactProblem& p, const ScaledProblem& scaled, bool& contradictory) {
-  const ExactBasis basis = exact_basis(scaled.J, scaled.c, p.equalities);
+std::vector<Index> independent_equalities(const ContactProblem& p, bool& contradictory) {
+  const ExactBasis basis = exact_basis(p.scaled().J, p.scaled().c, p.equalities);
   contradictory = !basis.contradictory.empty();
   return basis.rows;
 }
 
-double bound_turn(const ContactProblem& p, const ScaledProblem& scaled) {
+double bound_turn(const ContactProblem& p) {
   bool contradictory = p.fixed_contradiction;
-  const std::vector<Index> equalities = independent_equalities(p, scaled, contradictory);
+  const std::vector<Index> equalities = independent_equalities(p, contradictory);
   if (contradictory || !p.exact) return infinity;
   const ExtendedVector none = ExtendedVector::Zero(std::ssize(p.contacts));
   Vector error = Vector::Zero(std::ssize(p.contacts));
   for (Index c = 0; c < error.size(); ++c)
     if (p.contacts[at(c)].unit == 0) error[c] = 1;  // nothing pushes there
-  const Duality duality(p, scaled, none, error, equalities);
+  const Duality duality(p, none, error, equalities);
   double least = infinity;
   const auto consider = [&](ExtendedVector x) {
     duality.correct(x);
@@ -246,13 +244,12 @@ double bound_turn(const ContactProblem& p, const ScaledProblem& scaled) {
   return least;
 }
 
-ConvexBound bound_convex(const ContactProblem& p, const ScaledProblem& scaled, const ExtendedVector& sigma,
-                         const Vector& sigma_error, const ModePoint* guess, double enough) {
+ConvexBound bound_convex(const ContactProblem& p, const ExtendedVector& sigma, const Vector& sigma_error,
+                         const ModePoint* guess, double enough) {
   ConvexBound best;
   bool contradictory = p.fixed_contradiction;
-  const std::vector<Index> equalities =
-      contradictory ? std::vector<Index>{} : independent_equalities(p, scaled, contradictory);
-  const Duality duality(p, scaled, sigma, sigma_error, equalities);
+  const std::vector<Index> equalities = contradictory ? std::vector<Index>{} : independent_equalities(p, contradictory);
+  const Duality duality(p, sigma, sigma_error, equalities);
   for (Index c = 0; c < std::ssize(p.contacts); ++c)
     if (p.contacts[at(c)].unit == 0 && !duality.fixed_holds(c)) contradictory = true;
   if (contradictory) {
@@ -270,7 +267,6 @@ ConvexBound bound_convex(const ContactProblem& p, const ScaledProblem& scaled, c
     }
   };
   const auto consider = [&](ModePoint point) {
-    const std::vector<ContactMode> modes = point.modes;
     const auto take = [&](ExtendedVector x) {
       ExtendedVector lambda = point.lambda;
       const double upper = duality.bound(x, lambda);
@@ -278,7 +274,7 @@ ConvexBound bound_convex(const ContactProblem& p, const ScaledProblem& scaled, c
       best.upper = upper;
       best.x = std::move(x);
       best.lambda = std::move(lambda);
-      best.modes = modes;
+      best.modes = point.modes;
       best.rows = ConvexBound::Rows::feasible;
     };
     duality.correct(point.x);
@@ -327,13 +323,12 @@ ConvexBound bound_convex(const ContactProblem& p, const ScaledProblem& scaled, c
         inner.insert(inner.begin(), std::move(iterate));
       }
   }
-  const auto as_it_is = [&](const InteriorAnswer& answer) { consider({answer.x, answer.lambda, answer.modes}); };
-  if (!jointed && !inner.empty()) as_it_is(inner.back());
+  if (!jointed && !inner.empty()) consider(inner.back());
   if (!jointed && p.rows() > referee::polished_rows && best.upper <= referee::good_enough) return best;
   if (guess && best.upper > enough) polished(*guess);
   const auto take_both = [&](const InteriorAnswer& answer) {
-    polished({answer.x, answer.lambda, answer.modes});
-    if (jointed) as_it_is(answer);
+    polished(answer);
+    if (jointed) consider(answer);
   };
   if (best.upper > enough && !inner.empty()) take_both(inner.back());
   if (best.upper > enough && jointed && p.rows() <= referee::extended_rows)

@@ -17,8 +17,8 @@ TEST(ConeOnHeaps, BallsAtRestStayAtRest) {
     // The referee's residuals alone: its proofs take minutes here.
     const ScaledProblem scaled(p);
     const ContactProblem contacts(p, scaled, scaled.norm_of_free_motion());
-    const ExtendedVector lambda = contacts.multipliers(scaled.multipliers(s.lambda));
-    const ExtendedVector x = contacts.motion(scaled.motion(s.z));
+    const ExtendedVector lambda = contacts.multipliers(s.lambda);
+    const ExtendedVector x = contacts.motion(s.z);
     EXPECT_LE(friction_residuals(contacts, p.law, x, &lambda).natural, 1e-12) << scene;
   }
 }

@@ -24,17 +24,17 @@ struct Near {
   ContactProblem p;
   explicit Near(const Problem& problem) : scaled(problem), p(problem, scaled, scaled.norm_of_free_motion()) {}
 
-  ExtendedVector at(const Vector& z) const { return p.motion(scaled.motion(z)); }
-  SlopeProof prove(const Vector& z, const Vector& lambda) const {
-    return prove_by_slopes(p, scaled, at(z), p.multipliers(scaled.multipliers(lambda)));
+  ExtendedVector at(const Vector& z) const { return p.motion(z); }
+  ModeProof prove(const Vector& z, const Vector& lambda) const {
+    return prove_by_slopes(p, at(z), p.multipliers(lambda));
   }
   // |z - the solution that was proven|_M, over s; infinity where none was.
   double off(const Vector& z, const Vector& lambda) const {
-    const SlopeProof proof = prove(z, lambda);
-    if (!proof.exists) return std::numeric_limits<double>::infinity();
-    return (p.norm(at(z) - proof.x) + proof.radius) / p.scale;
+    const ModeProof proof = prove(z, lambda);
+    if (!proof.proven) return std::numeric_limits<double>::infinity();
+    return (p.norm(at(z) - proof.point.x) + proof.radius) / p.scale;
   }
-  bool none(const Vector& z, double distance) const { return none_by_slopes(p, scaled, at(z), distance * p.scale); }
+  bool none(const Vector& z, double distance) const { return none_by_slopes(p, at(z), distance * p.scale); }
 };
 
 TEST(NaturalMap, ProvesStrictSolutions) {
@@ -106,7 +106,7 @@ TEST(NaturalMap, SaysNothingOfAContinuum) {
   const Near plates(pinch());
   for (const double z : {0., 1., 2.}) {
     for (const double force : {0., 1., 2.})
-      EXPECT_FALSE(plates.prove(vector({0, z}), vector({force, 0, force, 0})).exists);
+      EXPECT_FALSE(plates.prove(vector({0, z}), vector({force, 0, force, 0})).proven);
     EXPECT_FALSE(plates.none(vector({0, z}), 1e-3));
   }
 }
