@@ -112,10 +112,12 @@ bool ConeStarts::couple(const Job& job) {
   return true;
 }
 
-// Is where the path points at an answer, or `near` one? Newton's method on the modes then begins there.
+// Is where the path points at an answer, or `near` one? Newton's method on the modes then begins there. Both ends are
+// guesses, and each alone may fit the modes to the last digit: of dense rows the motion is that of the forces.
 bool ConeStarts::end_is_near(const Job& job, double& near) {
   if (!inside_.sees_end()) return false;
   if (!inside_.v_end.allFinite() || !inside_.y_end.allFinite()) return false;
+  if (program_.is_dense()) program_.face().force(inside_.y_end, inside_.v_end);
   modes_.begin(program_, inside_.v_end, inside_.y_end);
   job.best.keep(modes_.v, modes_.y, modes_.residual.natural);
   const double left = modes_.residual.natural / program_.scale(modes_.v);

@@ -17,6 +17,7 @@ namespace zwang {
 namespace {
 
 using test::friction_problem;
+using test::FrictionRow;
 using test::law_error;
 using test::planted;
 
@@ -227,6 +228,30 @@ TEST(Cone, NoConvexAnswerIsClaimedThatTheForcesHide) {
     EXPECT_TRUE(s.status != Status::solved || measure(p, s, nullptr, 1e-10).verdict == Verdict::solved) << scene;
     EXPECT_EQ(s.status == Status::solved, scene == std::string("JAM(k=11)")) << scene;
   }
+}
+
+// Where the path points both ends fit the modes to the last digit, friction of 2^-40 among them: a motion and forces
+// that are 2e-7 apart.
+TEST(Cone, NoMotionIsClaimedThatTheForcesDoNotMake) {
+  const double weak = std::ldexp(1.0, -27), weaker = std::ldexp(1.0, -40), strong = 1024;
+  const std::vector<FrictionRow> rows{{inequality, vec({-2, -2, 0, 0, -2, -1, -1, 2}), -2.1875, 0.75},
+                                      {tangent, vec({0, 1, -1, -2, -2, 0, 0, 1}), 1.9375},
+                                      {inequality, vec({-1, 2, 0, -1, 0, -1, -1, -1}), -0.375, weak},
+                                      {tangent, vec({-1, -2, 2, 0, -2, -1, 0, 1}), 0.75},
+                                      {tangent, vec({2, 1, 1, 1, 0, 2, -1, -1}), 0.8125},
+                                      {inequality, vec({0, -1, -1, -1, -2, 0, 0, -1}), -1.5, weaker},
+                                      {tangent, vec({-2, -1, -2, 2, -2, 2, 0, -1}), -5.375},
+                                      {tangent, vec({-2, -1, -2, 2, -2, 2, 0, -1}), -5.375},
+                                      {inequality, vec({0, 0, 0, 0, -1, 0, 2, 0}), 2.125, strong},
+                                      {tangent, vec({-2, 2, 0, 2, -2, 0, -1, -2}), -2.8125}};
+  const Vector z = vec({0.875, 0.625, 0.8125, -0.4375, -0.25, -0.25, 0.9375, 0.5});
+  const Vector lambda = vec({0, 0, 0.625, -weak / 8, 0.75 * weak / 8, 0, 0, 0, 0.25, 64});
+  Problem p = friction_problem(Vector::Ones(8), z, rows, Law::coulomb);
+  p.z_u -= p.J.transpose() * lambda;
+  Solution planted{.z = z, .lambda = lambda};
+  ASSERT_LE(law_error(p, planted), 1e-15);
+  const Solution s = solve(p);
+  EXPECT_TRUE(s.status != Status::solved || law_error(p, s) <= 1e-9);
 }
 
 // A box on one that is 2^24 times lighter, on four corners each: no start leads to an answer, convex problems do. From
