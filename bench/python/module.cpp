@@ -6,9 +6,11 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
+#include <sys/resource.h>
 
 #include <atomic>
 #include <cstdlib>
+#include <ctime>
 #include <numeric>
 
 #include <zwang/bench/packs/judge_pack.h>
@@ -18,6 +20,7 @@
 #include <zwang/bench/suite/suite.h>
 #include <zwang/bench/timing/conditions.h>
 #include <zwang/core/files/problem_file.h>
+#include <zwang/core/problem/cpu_clock.h>
 #include <zwang/core/referee/exact_rank.h>
 #include <zwang/solvers/friction/solution_derivative.h>
 #include <zwang/solvers/registry.h>
@@ -84,12 +87,28 @@ py::tuple change_of_scene(const Instance& instance, int body, const Vector& pose
 
 // A Python callable as a solver: called as f(problem, tolerance), it returns z, (z, lambda) or None. It runs in a child
 // process with a deadline, like every foreign solver.
+// CPU seconds of this process's other threads, and of its children that have ended: a function's time, whoever it lets
+// do the work.
+double cpu_seconds_beside() {
+  timespec all{}, own{};
+  rusage ended{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &all);
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &own);
+  getrusage(RUSAGE_CHILDREN, &ended);
+  const auto seconds = [](auto whole, auto part, double unit) {
+    return static_cast<double>(whole) + unit * static_cast<double>(part);
+  };
+  return seconds(all.tv_sec - own.tv_sec, all.tv_nsec - own.tv_nsec, 1e-9) +
+         seconds(ended.ru_utime.tv_sec + ended.ru_stime.tv_sec, ended.ru_utime.tv_usec + ended.ru_stime.tv_usec, 1e-6);
+}
+
 struct PythonSolver {
   static constexpr auto name = "python";
   std::shared_ptr<py::function> call = {};
 
   void solve(const Problem& problem, const SolveOptions& options, Solution& solution) {
     const py::gil_scoped_acquire python;
+    const double beside = cpu_seconds_beside();
     try {
       Instance instance;
       instance.problem = problem;
@@ -110,6 +129,7 @@ struct PythonSolver {
       solution.empty_z();
       solution.empty_lambda();
     }
+    seconds_elsewhere += std::max(0.0, cpu_seconds_beside() - beside);
   }
 };
 

@@ -20,6 +20,7 @@ namespace {
 int start_child(const std::function<void()>& life) {
   const pid_t parent = getpid(), child = fork();
   if (child < 0) throw std::system_error(errno, std::generic_category(), "no child process");
+  setpgid(child, child);  // by both: whoever is first
   if (child > 0) return child;
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (getppid() != parent) _exit(0);
@@ -49,7 +50,7 @@ void Peer::start(const std::function<void(int socket)>& life) {
 
 int Peer::stop() {
   if (pid_ < 0) return 0;
-  kill(pid_, SIGKILL);
+  kill(-pid_, SIGKILL);
   const int status = wait_for_child(pid_);
   close(socket_);
   pid_ = socket_ = -1;

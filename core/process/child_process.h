@@ -11,7 +11,7 @@ namespace zwang {
 // A child's status as of waitpid, once it has ended.
 int wait_for_child(int child);
 
-// A child process at the other end of a stream socket, killed with this object.
+// A child process at the other end of a stream socket, killed with this object, and with it what it has started.
 class Peer {
  public:
   Peer() = default;

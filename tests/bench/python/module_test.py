@@ -254,6 +254,40 @@ class Solving(unittest.TestCase):
         self.assertEqual(of["dies", "chain"]["verified"], "crashed")
         self.assertIn("not today", of["raises", "chain"]["message"])
 
+    def test_who_works_for_a_function_is_charged_and_ends_with_it(self):
+        busy = "import time\nend = time.thread_time() + 0.05\nwhile time.thread_time() < end: pass"
+        note = os.path.join(self.enterContext(tempfile.TemporaryDirectory()), "pid")
+
+        def in_a_thread(problem, tolerance):
+            worker = threading.Thread(target=exec, args=(busy, {}))
+            worker.start()
+            worker.join()
+            return problem.z_u
+
+        def by_a_program(problem, tolerance):
+            subprocess.run([sys.executable, "-c", busy])
+            return problem.z_u
+
+        def returns_twice(problem, tolerance):
+            os.fork()
+            return problem.z_u
+
+        def leaves_a_program(problem, tolerance):
+            with open(note, "w") as out:
+                print(subprocess.Popen(["sleep", "1000"]).pid, file=out)
+            os.abort()
+
+        functions = [in_a_thread, by_a_program, returns_twice, leaves_a_program]
+        of = {row["solver"]: row for row in zwang.bench("chain(links=2)", solvers=functions, tolerances=[1e-8], repetitions=1)}
+        for name in ("in_a_thread", "by_a_program"):
+            self.assertGreater(of[name]["solve_s"], 0.05, name)
+        self.assertEqual([of[f.__name__]["verified"] for f in functions], ["wrong", "wrong", "wrong", "crashed"])
+        with open(note) as pid:
+            status = f"/proc/{int(pid.read())}/stat"
+        if os.path.exists(status):  # ended, and nobody has asked for it
+            with open(status) as words:
+                self.assertEqual(words.read().split(") ")[1][0], "Z")
+
 
 class Judging(unittest.TestCase):
     def test_spoilt_answers_are_told_by_what_they_are_off(self):
