@@ -11,9 +11,17 @@ function plain(value) {
   if (power < -4 || power > 8) return `${sign}${point(1)}e${power < 0 ? '-' : '+'}${String(Math.abs(power)).padStart(2, '0')}`;
   return sign + (power < 0 ? `0.${'0'.repeat(-power - 1)}${digits}` : point(power + 1));
 }
+// What a text says of its number besides: that it is a bound, or of how many problems it is. It stands in a column of its own behind the
+// numbers: a mean over the five problems that a solver reached is no mean over all.
+const aside = ({text, value}) => Number.isFinite(value) ? /^[<>]=?(?= )|\bon \d+ of \d+$|(?<=^\d+ )of \d+/.exec(text)?.[0] ?? '' : '';
 export function to_csv(table) {
-  const lines = [table.columns.map(column => field(column.name)), ...table.rows.map(row => row.cells.map((cell, c) =>
-    table.columns[c].numeric && Number.isFinite(cell.value) ? plain(cell.value) : field(cell.text)))];
+  const lines = [[], ...table.rows.map(() => [])];
+  table.columns.forEach(({name, numeric}, c) => {
+    const cells = table.rows.map(row => row.cells[c]), asides = cells.map(cell => numeric ? aside(cell) : '');
+    const columns = [[name, ...cells.map(cell => numeric && Number.isFinite(cell.value) ? plain(cell.value) : cell.text)]];
+    if (asides.some(Boolean)) columns.push([`${name}: note`, ...asides]);
+    for (const column of columns) column.forEach((text, line) => lines[line].push(field(text)));
+  });
   return lines.map(fields => fields.join(',') + '\n').join('');
 }
 

@@ -123,6 +123,9 @@ assert.equal(column[4].at_y, 100);
 // Tables escape what their format reads.
 const table = {id: 't', note: 'A note.', columns: [{name: 'a_b', numeric: false}, {name: 'x, y', numeric: true}], rows: [{cells: [{text: '50 %'}, {text: '2.0 us', value: 2e-6}]}]};
 assert.equal(to_csv(table), 'a_b,"x, y"\n50 %,2e-06\n');
+const qualified = [['1.0 ms (3.0x) on 2 of 5', 1e-3], ['> 2.0 s', 2], ['<= 3e-9', 3e-9], ['3 of 5 (wrong)', 3], ['not reached', NaN], ['7', 7]];
+assert.equal(to_csv({columns: [{name: 'x', numeric: true}], rows: qualified.map(([text, value]) => ({cells: [{text, value}]}))}),
+             'x,x: note\n0.001,on 2 of 5\n2,>\n3e-09,<=\n3,of 5\nnot reached,\n7,\n');
 for (const part of ['a\\_b & x, y \\\\\n', '50 \\% & 2.0 $\\mu$s \\\\\n', '\n\\begin{table}\n']) assert.ok(to_tex(table).includes(part), part);
 for (const [value, text] of [[0, '0'], [120, '120'], [1234567890, '1.23456789e+09'], [0.1 + 0.2, '0.3'], [1.5e-300, '1.5e-300'], [-2.5, '-2.5'], [1e9, '1e+09'], [123456789, '123456789'], [1e-5, '1e-05'], [0.0001, '0.0001'], [2 ** -13, '0.000122070312'], [3 * 2 ** -13, '0.000366210938'], [99999999.95, '100000000'], [5e-324, '4.94065646e-324']])
   assert.equal(to_csv({columns: [{name: 'x', numeric: true}], rows: [{cells: [{text: '', value}]}]}), `x\n${text}\n`);
