@@ -133,7 +133,8 @@ def headline_family(run):
 
 
 def ratio_text(ratio):
-    return f"{ratio:.{1 if ratio < 9.95 else 0}f}x" if math.isfinite(ratio) else ""
+    """ "12x", "3.4x", "0.035x": two digits at least."""
+    return f"{ratio:{'.0f' if ratio >= 9.95 else '.1f' if ratio >= 0.995 else '.2g'}}x" if math.isfinite(ratio) else ""
 
 
 def accuracy_headline(run, error=HEADLINE):

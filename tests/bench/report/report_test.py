@@ -33,7 +33,7 @@ for name, file in (("results", "results"), ("aggregation", "tables/aggregation")
 import charts
 import results
 from aggregation import (accuracy_headline, accuracy_matched, break_points, data_profile, fit_power_law, geometric_mean, median, natural_shift,
-                         performance_profile, quantile, scaling, shifted_geometric_means, sweep_mark, sweep_state, time_to_error)
+                         performance_profile, quantile, ratio_text, scaling, shifted_geometric_means, sweep_mark, sweep_state, time_to_error)
 from charts import chart_rows, drawn_as
 from report import dump, edit_distance, headline, page_data, page_text, single_run_scripts, split_solvers
 from results import BadFile, Result, Run, Solver, by_class, duration, merged, read_run, scientific
@@ -90,6 +90,8 @@ class Statistics(unittest.TestCase):
             self.assertEqual(duration(seconds), text)
         for knob, text in ((2.0 ** -27, "2^-27"), (2.0 ** 48, "2^48"), (64.0, "64"), (-2.0 ** -20, "-2^-20"), (0.001, "0.001"), (NAN, "")):
             self.assertEqual(knob_text(knob), text)
+        for ratio, text in ((1000, "1000x"), (12.4, "12x"), (3.42, "3.4x"), (1, "1.0x"), (0.12, "0.12x"), (0.0351, "0.035x"), (INF, "")):
+            self.assertEqual(ratio_text(ratio), text)
 
 
 class Accuracy(unittest.TestCase):
