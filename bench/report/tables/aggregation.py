@@ -54,25 +54,22 @@ def fit_power_law(x, y):
 def time_to_error(runs, error):
     """Time [s] in which one solver reaches the error on one problem: the cheapest of the runs that achieved it and of the crossings between
     neighbours on the tolerance ladder (interpolated in logarithms). Infinite where none does; NaN where every run is blank: the solver does
-    not read the problem. Runs that lie never count, and on an infeasible problem only a proof does."""
+    not read the problem. Runs that lie never count, and on an infeasible problem only a proof does. Runs that did the same, whatever was
+    asked for, are one with the median of their times: the least of all tolerances would flatter methods that are exact at each of them."""
     if all(r.is_blank for r in runs):
         return NAN
-    best, ladder = INFINITE, []
-    for r in runs:
-        if r.lies or not math.isfinite(r.solve_s):
-            continue
-        if r.verified == "infeasible, proven":
-            best = min(best, r.solve_s)
-        if math.isfinite(r.error):
-            ladder.append(r)
-    ladder.sort(key=lambda r: -r.tolerance)
-    before = None
-    for r in ladder:
+    timed = [r for r in runs if not r.lies and math.isfinite(r.solve_s) and (r.verified == "infeasible, proven" or math.isfinite(r.error))]
+    alike = {}
+    for r in timed:
+        alike.setdefault((r.error if math.isfinite(r.error) else None, r.iterations), []).append(r.solve_s)
+    seconds = {id(r): median(alike[r.error if math.isfinite(r.error) else None, r.iterations]) for r in timed}
+    best, before = min((seconds[id(r)] for r in timed if r.verified == "infeasible, proven"), default=INFINITE), None
+    for r in sorted((r for r in timed if math.isfinite(r.error)), key=lambda r: -r.tolerance):
         if r.error <= error:
-            best = min(best, r.solve_s)
+            best = min(best, seconds[id(r)])
             if before and before.error > error:
                 e0, e1 = (log(max(x.error, 1e-17)) for x in (before, r))  # an error of 0 has a logarithm here
-                t0, t1 = log(before.solve_s), log(r.solve_s)
+                t0, t1 = log(seconds[id(before)]), log(seconds[id(r)])
                 crossing = exp(t0 + over(log(error) - e0, e1 - e0) * (t1 - t0)) if math.isfinite(t0) and math.isfinite(t1) else NAN
                 best = min(best, crossing) if crossing == crossing else best
         before = r

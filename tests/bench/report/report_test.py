@@ -104,7 +104,15 @@ class Accuracy(unittest.TestCase):
         self.assertEqual(time_to_error(ladder, 1e-7), INF)
 
     def test_takes_the_cheapest_run_that_reaches_the_error(self):
-        self.assertEqual(time_to_error([result("p", "s", *run) for run in ((1e-2, 1e-15, 7), (1e-6, 1e-15, 5), (1e-8, 0, 6))], 1e-9), 5)
+        self.assertEqual(time_to_error([result("p", "s", *run) for run in ((1e-2, 2e-15, 7), (1e-6, 1e-15, 5), (1e-8, 0, 6))], 1e-9), 5)
+
+    def test_runs_that_did_the_same_are_one_with_the_median_of_their_times(self):
+        exact = [result("p", "s", tolerance, 1e-15, seconds, verified=verified, iterations=3)
+                 for tolerance, seconds, verified in ((1e-2, 7, "solved"), (1e-6, 5, "solved"), (1e-15, 8, "near"))]
+        self.assertEqual(time_to_error(exact, 1e-9), 7)
+        self.assertEqual(time_to_error([*exact, result("p", "s", 1e-3, 1e-15, 6, iterations=2)], 1e-9), 6)
+        proofs = [result("p", "s", 10.0 ** -k, NONE, seconds, "infeasible", "infeasible, proven") for k, seconds in enumerate((4, 2, 9))]
+        self.assertEqual(time_to_error(proofs, 1e-9), 4)
 
     def test_without_a_reference_the_upper_bound_stands_in(self):
         bounded = [result("p", "s", 1e-8, NONE, 3, z_bound=1e-10)]
