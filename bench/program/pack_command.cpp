@@ -146,9 +146,10 @@ int judge_command(std::vector<std::string> words) {
     return stopped;
   }
   const Tally& t = outcome.tally;
-  std::printf("%s answers: %s right, %s near, %s wrong, %s failed, %s undecided; %s claimed falsely\n",
+  const std::string unsupported = t.unsupported > 0 ? ", " + grouped(t.unsupported) + " unsupported" : "";
+  std::printf("%s answers: %s right, %s near, %s wrong, %s failed, %s undecided%s; %s claimed falsely\n",
               grouped(t.runs).c_str(), grouped(t.solved).c_str(), grouped(t.near).c_str(), grouped(t.wrong).c_str(),
-              grouped(t.failed).c_str(), grouped(t.undecided).c_str(), grouped(t.lies).c_str());
+              grouped(t.failed).c_str(), grouped(t.undecided).c_str(), unsupported.c_str(), grouped(t.lies).c_str());
   if (const int code = write_report({settings.directory.string()}); code != done) return code;
   const Exit code = t.lies > 0 ? found : done;
   return junit.empty() ? code : write_junit(settings.directory / "results.jsonl", junit, code);

@@ -81,6 +81,9 @@ def check_judge(problems):
         check(solver, solved.returncode == 0 and "48 of 48 answers" in solved.stdout, solved.stdout + solved.stderr)
     judged = run("judge", "pack", "dual_active_set.jsonl", "cone.jsonl", "--out", "judged", "--junit", "judged.xml")
     check("judged", judged.returncode == 0 and "0 claimed falsely" in judged.stdout, judged.stdout + judged.stderr)
+    line = next(line for line in judged.stdout.splitlines() if "claimed falsely" in line)
+    answers, *counts, _ = map(int, re.findall(r"\d+", line))
+    check("each answer is counted once", answers == sum(counts) and " unsupported" in line, line)
     rows = {(r["solver"], r["problem"]): r for r in map(json.loads, open("judged/results.jsonl"))}
     check("a row an answer", len(rows) == 96)
     run("bench", "--problems", "pack/problems", "--solvers", "dual_active_set,cone", "--tolerances", "1e-10", "--accuracy", "--out",
