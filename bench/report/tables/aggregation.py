@@ -239,7 +239,7 @@ class BreakPoint:
     """What one solver does over a sweep, problems in file order (benign to hard), each at the tightest tolerance it ran."""
 
     def __init__(self, knob):
-        self.knob, self.problems, self.undecided = knob, 0, 0
+        self.knob, self.problems, self.undecided, self.handed_over = knob, 0, 0, 0
         self.fails = None  # first problem with error > 1e-6, or no answer, or a claim the referee rejects
         self.lies = None   # first of them where the solver claims to be right
 
@@ -261,6 +261,9 @@ def break_points(run):
             for solver in run.names():
                 if r := tightest(group.by_solver.get(solver, ())):
                     found.setdefault((group.family, solver), BreakPoint(r.knob)).add(r)
+                elif any(solver == who and group.problem in problems for (who, _), problems in run.handed_over.items()):
+                    knob = next(iter(group.by_solver.values()))[0].knob
+                    found.setdefault((group.family, solver), BreakPoint(knob)).handed_over += 1
     return found
 
 

@@ -308,11 +308,12 @@ def break_point_table(run):
             continue
         cells = [solver]
         for p in points:
+            beside = "".join(f" ({n} {what})" for n, what in ((p.undecided, "undecided"), (p.handed_over, "handed over")) if n) if p else ""
             if not p or not p.problems:
-                cells.append("unsupported")
+                cells.append(beside.strip(" ()") or "unsupported")
                 continue
             tone = "warn" if p.fails and not p.lies else tone_of(p.lies, True)
-            text = f"{at(p.fails)} / {at(p.lies)}" + (f" ({p.undecided} undecided)" if p.undecided else "")
+            text = f"{at(p.fails)} / {at(p.lies)}{beside}"
             cells.append(cell(text, p.fails.knob_value if p.fails else NAN, tone))
         table.add(solver, "", cells)
     return table.explained()

@@ -37,8 +37,8 @@ from aggregation import (accuracy_headline, accuracy_matched, break_points, data
 from charts import chart_rows, drawn_as
 from report import dump, edit_distance, headline, page_data, page_text, single_run_scripts, split_solvers
 from results import BadFile, Result, Run, Solver, by_class, duration, merged, read_run, scientific
-from tables import (claim_counts_table, claims_table, class_tables, comparison_table, conformance_table, knob_text, law_table, means_table,
-                    phenomenon_table, recorded_table, sequence_table, speed_change_table, speed_exponent_table, speed_table)
+from tables import (break_point_table, claim_counts_table, claims_table, class_tables, comparison_table, conformance_table, knob_text, law_table,
+                    means_table, phenomenon_table, recorded_table, sequence_table, speed_change_table, speed_exponent_table, speed_table)
 
 INF, NAN, NONE = math.inf, math.nan, None
 
@@ -195,6 +195,14 @@ class Sweeps(unittest.TestCase):
                      sweep_run(4096, 1e-2, "solved", "wrong"))
         [point] = break_points(run).values()
         self.assertEqual((point.fails.knob_value, point.lies.knob_value, point.undecided, point.problems), (16, 4096, 1, 4))
+
+    def test_what_was_handed_over_is_said_and_no_success(self):
+        run = run_of(sweep_run(1, 1e-15), sweep_run(16, 1e-15), result("mr 16", "t", 1e-10, 1e-15, 1, family="MR", knob="ratio", knob_value=16))
+        run.results[1].solver, run.handed_over = "t", {("s", "t"): {"mr 16"}}
+        point = break_points(run)["MR", "s"]
+        self.assertEqual((point.fails, point.problems, point.handed_over), (None, 1, 1))
+        cells = {row["solver"]: row["cells"][1]["text"] for row in break_point_table(run).rows}
+        self.assertEqual(cells, {"s": "never / never (1 handed over)", "t": "never / never"})
 
     def test_the_tightest_tolerance_speaks_for_a_solver(self):
         [point] = break_points(run_of(sweep_run(1, 1e-3, tolerance=1e-2), sweep_run(1, 1e-12))).values()
