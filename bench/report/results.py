@@ -424,9 +424,12 @@ def merged(a, b):
             if common and r.solver in both and r.identity not in common:
                 left_out.add(r.identity)
                 continue
-            r.problem = renamed[r.problem] = name_of.setdefault(r.identity, r.problem)
+            renamed[r.problem] = r.problem = name_of.setdefault(r.identity, r.problem)
             r.solver = shown(r.solver)
             out.results.append(r)
+        for pair, problems in run.handed_over.items():
+            if stay := {renamed[problem] for problem in problems if problem in renamed}:
+                out.handed_over[tuple(map(shown, pair))] = out.handed_over.get(tuple(map(shown, pair)), set()) | stay
         known = {(r.problem, r.solver) for r in out.recorded}
         for r in map(copy.copy, run.recorded):
             r.problem = renamed.get(r.problem, r.problem)

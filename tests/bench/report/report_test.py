@@ -386,7 +386,11 @@ class Tables(unittest.TestCase):
         a = run_of(result("p", "s", 1e-8, 1e-9, 4, problem_sha256="same"), result("q", "s", 1e-8, 1e-9, 1), solvers=["s", "gone"])
         b = run_of(result("p renamed", "s", 1e-8, 1e-9, 1, problem_sha256="same"), result("r", "s", 1e-8, 1e-9, 1),
                    result("p renamed", "new", 1e-8, 1e-9, 2, problem_sha256="same"), solvers=["s", "new"])
+        a.handed_over, b.handed_over = {("asked", "s"): {"p", "q"}}, {("asked", "s"): {"p renamed"}, ("asked", "new"): {"r"}}
+        b.traces = [{"problem": "p renamed", "solver": "s"}]
         both = merged(a, b)
+        self.assertEqual(both.traces, [{"problem": "p", "solver": "s @B"}])
+        self.assertEqual(both.handed_over, {("asked", "s @A"): {"p"}, ("asked", "s @B"): {"p"}})
         self.assertEqual(both.names(), ["s @A", "s @B", "gone", "new"])
         self.assertEqual([(r.problem, r.solver) for r in both.results], [("p", "s @A"), ("p", "s @B"), ("p", "new")])
         self.assertEqual(b.results[0].problem, "p renamed")
