@@ -562,6 +562,8 @@ def comparison_table(a, b):
     for run, other, mark in ((a, b, "A"), (b, a, "B")):
         alone = [name for name in run.names() if name not in other.names()]
         table.note += f" Only in run {mark}: {', '.join(alone)}." if alone else ""
+    differ = [name for name in ("CPU", "compiler", "flags", "build type") if dict(a.conditions).get(name) != dict(b.conditions).get(name)]
+    table.note += f" The runs are of different {', '.join(differ)}, which times depend on." if differ else ""
     return table
 
 

@@ -399,7 +399,9 @@ class Tables(unittest.TestCase):
         [row] = table.rows
         self.assertEqual(value(row["cells"][1]), 1)                          # one problem in both
         self.assertAlmostEqual(value(row["cells"][4]), 0.25, delta=1e-12)  # B needs a quarter of the time
-        self.assertIn("Only in run A: gone. Only in run B: new.", table.note)
+        self.assertTrue(table.note.endswith("Only in run A: gone. Only in run B: new."), table.note)
+        a.conditions, b.conditions = [("CPU", "one"), ("flags", "-O3")], [("CPU", "another"), ("flags", "-O3")]
+        self.assertTrue(comparison_table(a, b).note.endswith("The runs are of different CPU, which times depend on."))
 
     def test_each_table_has_its_place_on_a_page(self):
         pages = pathlib.Path(source, "bench/report/page").glob("*.html")
