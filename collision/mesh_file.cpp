@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 
 // assimp calls what it reads from memory "$$$___magic___$$$.stl".
 std::string without_placeholder(std::string text) {
-  const std::size_t at = text.find("$$$___magic___$$$"), end = std::min(text.size(), text.find(' ', at));
+  const std::size_t at = text.find("$$$___magic___$$$"), end = std::min(text.size(), text.find_first_of(" \"", at));
   return at == std::string::npos ? text : text.replace(at, end - at, "it");
 }
 
@@ -32,6 +32,46 @@ std::size_t bytes_of_ply(std::string_view type) {
   for (const std::string_view two : {"short", "ushort", "int16", "uint16"})
     if (type == two) return 2;
   return type == "double" || type == "float64" ? 8 : 4;
+}
+
+// How many of its words a line of text lacks: an element of these properties, of which true is a list and its length.
+std::size_t words_missing(const std::string& line, const std::vector<bool>& lists) {
+  std::istringstream words(line);
+  std::string word;
+  std::size_t wanted = 0, length = 0;
+  for (const bool list : lists) {
+    wanted += list && words >> length ? length : 1;
+    for (; wanted > 0 && words >> word; --wanted) continue;
+  }
+  return wanted;
+}
+
+// Of text that ends early assimp makes a part of the mesh, and of triangle strips one triangle each.
+void require_whole_ply(const fs::path& file, const std::string& ply) {
+  const std::size_t end = ply.find("end_header");
+  if (end == std::string::npos) refuse(file, "cut within its header; expected a line end_header");
+  std::istringstream header(ply.substr(0, end));
+  std::string line, last;
+  std::vector<bool> lists;  // of the last element
+  std::size_t wanted = 0, seen = 0, count = 0;
+  bool text = false;
+  while (std::getline(header, line)) {
+    std::istringstream words(line);
+    std::string word, name;
+    words >> word >> name;
+    text |= word == "format" && name == "ascii";
+    if (word == "property" && count > 0) lists.push_back(name == "list");
+    if (word != "element" || !(words >> count) || count == 0) continue;
+    if (name == "tristrips") refuse(file, "its triangles are strips; expected an element face");
+    wanted += count;
+    lists.clear();
+  }
+  if (!text) return;
+  std::istringstream data(ply.substr(ply.find('\n', end) + 1));
+  while (std::getline(data, line))
+    if (line.find_first_not_of(" \t\r") != std::string::npos) ++seen, last = line;
+  if (seen < wanted || (seen == wanted && words_missing(last, lists) > 0))
+    refuse(file, "cut: " + grouped(seen) + " lines of data; expected " + grouped(wanted) + " whole ones");
 }
 
 // assimp takes a first byte of binary data that is the end of a line, such as 0x0A in the float -0.02, for part of the
@@ -63,7 +103,8 @@ std::string with_first_byte_read(const std::string& ply) {
 }
 
 // Text in small letters, which are all that assimp knows. "": the file as it is. Refuses what is neither text nor of
-// the size of a binary STL: 80 bytes, the number of triangles, 50 bytes for each.
+// the size of a binary STL: 80 bytes, the number of triangles, 50 bytes for each. Refuses text that ends early, too, of
+// which assimp makes a part of the mesh: after the last facet stands endsolid (end solid, as some write).
 std::string in_small_letters(const fs::path& file, const std::string& stl) {
   std::uint32_t triangles = 0;
   if (stl.size() >= 84) std::memcpy(&triangles, stl.data() + 80, sizeof triangles);
@@ -78,10 +119,25 @@ std::string in_small_letters(const fs::path& file, const std::string& stl) {
            std::to_string(stl.size()) + " bytes; expected an STL: text that begins with solid, or " +
                (stl.size() < 84 ? "84 bytes at least"
                                 : std::to_string(wanted) + " bytes for " + std::to_string(triangles) + " triangles"));
-  if (stl.compare(first, 5, word) == 0) return {};
-  std::string text = stl;
-  std::ranges::transform(text, text.begin(), lower);
+  std::string text;
+  if (stl.compare(first, 5, word) != 0) {
+    text = stl;
+    std::ranges::transform(text, text.begin(), lower);
+  }
+  const std::string_view read = text.empty() ? stl : text, facet = "endfacet";
+  const std::size_t last = read.rfind(facet), after = last == read.npos ? first : last + facet.size();
+  if (read.find("end", after) == read.npos || read.find("outer loop", after) != read.npos)
+    refuse(file, "cut: no line endsolid at its end");
   return text;
+}
+
+// assimp passes over what a glTF requires and it does not know: it reads quantized or packed numbers as others.
+void require_plain_gltf(const fs::path& file, const std::string& bytes) {
+  const std::size_t at = bytes.find("\"extensionsRequired\"");
+  const std::string required = at == std::string::npos ? "" : bytes.substr(at, bytes.find(']', at) - at);
+  for (const char* name : {"KHR_mesh_quantization", "EXT_meshopt_compression", "EXT_mesh_gpu_instancing"})
+    if (required.find(name) != required.npos)
+      refuse(file, "requires " + std::string(name) + ", which is not read; expected a mesh stored without it");
 }
 
 // Meshes belong to nodes, and each node is placed relative to its parent.
@@ -110,8 +166,10 @@ void append(const aiScene& scene, const aiNode& node, const aiMatrix4x4t<double>
 // What assimp makes of a file's contents, one mesh.
 Mesh parse(const StoredFile& stored, const std::string& kind, const std::string& bytes, double unit) {
   const fs::path& file = stored.path;
-  if (kind == ".ply" && bytes.find("end_header") == std::string::npos)
-    refuse(file, "cut within its header; expected a line end_header");
+  if (kind == ".ply") require_whole_ply(file, bytes);
+  if (kind == ".dxf" && bytes.find("EOF", std::max<std::size_t>(bytes.size(), 100) - 100) == std::string::npos)
+    refuse(file, "cut: no EOF at its end");
+  if (kind == ".glb" || kind == ".gltf") require_plain_gltf(file, bytes);
   const std::string sound = kind == ".stl"   ? in_small_letters(file, bytes)
                             : kind == ".ply" ? with_first_byte_read(bytes)
                                              : std::string();

@@ -149,6 +149,47 @@ TEST_F(MeshFiles, APlyCutWithinItsHeaderIsRefusedAtOnce) {
   EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(60));
 }
 
+// assimp takes what is there for the whole mesh: a cut file loses triangles and nobody is told.
+TEST_F(MeshFiles, TextThatEndsEarlyIsRefused) {
+  const auto facet = [](const char* corner) {
+    return std::string("facet normal 0 0 0\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex ") + corner +
+           "\nendloop\nendfacet\n";
+  };
+  const std::string stl = "solid a\n" + facet("0 1 0") + facet("0 0 1");
+  for (const std::string ending : {"endsolid a\n", "endsolid", "end solid a\n"})
+    EXPECT_EQ(complaint(write("whole.stl", stl + ending)), "") << ending;
+  for (std::size_t size = 8; size <= stl.size(); ++size)
+    EXPECT_NE(complaint(write("cut.stl", stl.substr(0, size))), "") << size;
+  EXPECT_NE(complaint(write("cut.stl", stl)).find("cut: no line endsolid at its end"), std::string::npos);
+
+  const std::string head =
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+      "element face 2\nproperty list uchar int vertex_indices\nproperty uchar red\nelement edge 0\n"
+      "property int vertex1\nend_header\n";
+  const std::string points = "0 0 0\n1 0 0\n0 1 0\n", ply = head + points + "3 0 1 2 9\n\n3 0 2 1 9";
+  EXPECT_EQ(complaint(write("whole.ply", ply)), "");
+  for (std::size_t size = head.size(); size < ply.size(); ++size)
+    EXPECT_NE(complaint(write("cut.ply", ply.substr(0, size))).find("cut: "), std::string::npos) << size;
+  EXPECT_NE(complaint(write("cut.ply", head + points)).find("3 lines of data; expected 5 whole ones"),
+            std::string::npos);
+
+  const std::string face =
+      "0\n3DFACE\n8\n0\n10\n0\n20\n0\n30\n0\n11\n1\n21\n0\n31\n0\n12\n0\n22\n1\n32\n0\n13\n0\n23\n1\n33\n0\n";
+  const std::string dxf = "0\nSECTION\n2\nENTITIES\n" + face + face + "0\nENDSEC\n0\n";
+  EXPECT_EQ(complaint(write("whole.dxf", dxf + "EOF\n")), "");
+  for (const std::string& cut : {dxf, dxf.substr(0, dxf.size() - face.size())})
+    EXPECT_NE(complaint(write("cut.dxf", cut)).find("cut: no EOF at its end"), std::string::npos);
+}
+
+TEST_F(MeshFiles, WhatAssimpWouldReadWronglyIsRefused) {
+  const std::string strip =
+      "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+      "element tristrips 1\nproperty list int int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n1 1 0\n4 0 1 2 3\n";
+  EXPECT_NE(complaint(write("strip.ply", strip)).find("its triangles are strips"), std::string::npos);
+  const std::string gltf = R"({"asset": {"version": "2.0"}, "extensionsRequired" : ["KHR_mesh_quantization"]})";
+  EXPECT_NE(complaint(write("small.gltf", gltf)).find("requires KHR_mesh_quantization"), std::string::npos);
+}
+
 TEST_F(MeshFiles, NamesMayCarryTheirUnit) {
   EXPECT_EQ(parse_mesh_name("gear.stl@mm").file, "gear.stl");
   EXPECT_EQ(parse_mesh_name("gear.stl@mm").unit, 1e-3);
