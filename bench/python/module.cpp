@@ -85,8 +85,6 @@ py::tuple change_of_scene(const Instance& instance, int body, const Vector& pose
   return py::make_tuple(d.M, d.z_u, d.J, d.c, d.has_tangents() ? d.mu : Vector::Zero(d.rows()));
 }
 
-// A Python callable as a solver: called as f(problem, tolerance), it returns z, (z, lambda) or None. It runs in a child
-// process with a deadline, like every foreign solver.
 // CPU seconds of this process's other threads, and of its children that have ended: a function's time, whoever it lets
 // do the work.
 double cpu_seconds_beside() {
@@ -102,6 +100,8 @@ double cpu_seconds_beside() {
          seconds(ended.ru_utime.tv_sec + ended.ru_stime.tv_sec, ended.ru_utime.tv_usec + ended.ru_stime.tv_usec, 1e-6);
 }
 
+// A Python callable as a solver: called as f(problem, tolerance), it returns z, (z, lambda) or None. It runs in a child
+// process with a deadline, like every foreign solver.
 struct PythonSolver {
   static constexpr auto name = "python";
   std::shared_ptr<py::function> call = {};
