@@ -23,7 +23,7 @@ struct Judgement {
 // Judges z, whoever found it. lambda may be empty. The truth is the instance's reference, or one that is found and
 // certified here (docs/references.md); without any the verdict rests on the referee's own bound. z is right where the
 // distance is at most max(10 tolerance, 1e-12), near up to 1000 times that; of a reference that is one of several
-// solutions at_least is 0. Throws std::invalid_argument where sizes do not fit.
+// solutions at_least is what violated rows prove. Throws std::invalid_argument where sizes do not fit.
 Judgement judge(const Instance& instance, const Vector& z, const Vector& lambda, double tolerance,
                 const std::filesystem::path& cache = {});
 

@@ -97,7 +97,8 @@ Verdict judge_z(const Problem& problem, const ScaledProblem& scaled, const Solut
   out.bound_sigma_min = bound.sigma_min;
   if (bound.rows == DistanceBound::Rows::infeasible) return known ? Verdict::undecided : Verdict::wrong;
   proven.upper = std::min(proven.upper, out.z_bound);
-  proven.lower = std::max(proven.lower, bound.lower / scaled.scale_of(bound.greatest_norm));
+  proven.lower =
+      std::max({proven.lower, bound.lower / scaled.scale_of(bound.greatest_norm), referee::least_error(out.primal)});
   if (proven.lower > proven.upper) return Verdict::undecided;
   return by_error(proven.upper, proven.lower, tolerance);
 }

@@ -18,7 +18,7 @@
 namespace zwang {
 namespace {
 
-using referee::down, referee::or_infinity, referee::slip_lifts, referee::up;
+using referee::down, referee::least_error, referee::or_infinity, referee::slip_lifts, referee::up;
 
 constexpr double enough = .01;  // of what is asked for: a bound of the convex answer that need not be smaller
 
@@ -285,7 +285,11 @@ Verdict judge_friction(const Problem& problem, const ScaledProblem& scaled, cons
   }
   const std::vector<IslandPart> islands = split_islands(problem);
   const auto may = [](const auto& part) { return referee::may_prove(part.size(), part.rows()); };
-  if (islands.empty() ? !may(p) : !std::ranges::all_of(islands, may, &IslandPart::problem)) return Verdict::undecided;
+  from_reference.lower = std::max(from_reference.lower, least_error(out.primal));
+  if (islands.empty() ? !may(p) : !std::ranges::all_of(islands, may, &IslandPart::problem))
+    return from_reference.lower > from_reference.upper
+               ? Verdict::undecided
+               : by_error(from_reference.upper, from_reference.lower, tolerance);
   const Found found = islands.empty() ? find(problem, p, x, lambda, tolerance)
                                       : find_apart(islands, scaled, solution, has_lambda, own_scale, tolerance);
   if (found.rows == ConvexBound::Rows::infeasible) return Verdict::wrong;
@@ -317,10 +321,7 @@ Verdict judge_friction(const Problem& problem, const ScaledProblem& scaled, cons
     if (exact && (verdict == Verdict::solved || (verdict == Verdict::near && !(upper <= accepted)))) return verdict;
   }
   if (!known && rows_contradict(problem, solution.z)) return Verdict::wrong;
-  // Every solution meets normal and equality rows: a z that is off by p is p / 2 of the larger motion away from it.
-  // What overflowed says nothing.
-  const double violated = std::isfinite(out.primal) ? std::min(1.0, out.primal) : 0;
-  lower = std::max({lower, from_reference.lower, down(violated / 2)});
+  lower = std::max(lower, from_reference.lower);
   if (lower > from_reference.upper) return Verdict::undecided;
   if (const Verdict near = by_error(from_reference.upper, 0, tolerance); near != Verdict::undecided) return near;
   if (lower <= accepted && std::max(out.z_bound, out.friction.delta) <= accepted) return Verdict::rows_off;

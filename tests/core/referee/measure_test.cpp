@@ -5,6 +5,9 @@
 #include <cmath>
 #include <limits>
 #include <set>
+#include <vector>
+
+#include <zwang/core/problem/law.h>
 
 namespace zwang {
 namespace {
@@ -105,6 +108,44 @@ TEST(Verdict, BrokenAnswersAreWrong) {
     EXPECT_EQ(measure(floor_problem(), answer(Vector::Zero(2), {}), reference, 1e-10).verdict, Verdict::wrong);
     EXPECT_EQ(measure(floor_problem(), answer({}, {}), reference, 1e-10).verdict, Verdict::wrong);
     EXPECT_EQ(measure(floor_problem(), answer(Vec3(0, 0, 1e300), {}), reference, 1e-10).verdict, Verdict::wrong);
+  }
+}
+
+// Points in a row, each held to the next by a joint or pushed by it along one of two axes with friction: one island of
+// 2,000 unknowns, beyond what bounds are computed for. A point that violates a row is far from every solution all the
+// same.
+TEST(Verdict, WhoViolatesRowsIsWrongAtAnySize) {
+  constexpr Index points = 1000;
+  for (const Law law : {Law::frictionless, Law::convex, Law::coulomb}) {
+    std::vector<Eigen::Triplet<double>> J, M;
+    Problem p{.name = "row", .z_u = Vector::Zero(2 * points), .law = law};
+    const auto row = [&](RowKind kind, Index axis, Index point) {
+      const auto i = static_cast<Index>(p.kind.size());
+      J.emplace_back(i, 2 * point + axis, -1);
+      if (point > 0) J.emplace_back(i, 2 * point - 2 + axis, 1);
+      p.kind.push_back(kind);
+      p.key.push_back({static_cast<std::uint64_t>(i) + 1, 0});
+    };
+    for (Index k = 0; k < 2 * points; ++k) M.emplace_back(k, k, 1);
+    for (Index k = 0; k < points; ++k) {
+      row(law == Law::frictionless ? RowKind::equality : RowKind::inequality, 0, k);
+      row(law == Law::frictionless ? RowKind::equality : RowKind::tangent, 1, k);
+    }
+    p.M.resize(2 * points, 2 * points);
+    p.M.setFromTriplets(M.begin(), M.end());
+    p.J.resize(2 * points, 2 * points);
+    p.J.setFromTriplets(J.begin(), J.end());
+    p.c.setZero(2 * points);
+    p.mu.setZero(law == Law::frictionless ? 0 : 2 * points);
+    for (Index i = 0; i < p.mu.size(); i += 2) p.mu[i] = 0.5;
+    p.z_u[0] = 1;
+    const Metrics free = measure(p, answer(p.z_u, {}), nullptr, 1e-10);
+    EXPECT_EQ(free.verdict, Verdict::wrong) << to_string(law);
+    EXPECT_GE(free.primal, 0.7);
+    Vector z = Vector::Zero(2 * points);
+    EXPECT_NE(measure(p, answer(z, {}), nullptr, 1e-10).verdict, Verdict::wrong) << "it meets all rows";
+    z[0] = -1e-3;  // and opens the first contact, closes the second
+    EXPECT_EQ(measure(p, answer(z, {}), nullptr, 1e-10).verdict, Verdict::wrong) << to_string(law);
   }
 }
 
