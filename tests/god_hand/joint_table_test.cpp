@@ -139,6 +139,7 @@ TEST(JointTable, RefusesInOneLine) {
   };
   const std::pair<std::string, std::string> cases[] = {
       {"\n\n", "an empty file"},
+      {"\xff\xfet", "UTF-16; text in UTF-8 expected"},
       {"time\n", "no motion"},
       {"a,b\n1,2\n3,4\n", "unknown column 'a'"},
       {changed([](Lines& l) { l[0][9] = "thumb_CMC_abductoin"; }),
@@ -176,6 +177,14 @@ TEST(JointTable, RefusesInOneLine) {
          for (std::size_t k = 1; k < l.size(); ++k) l[k][1] = std::to_string(10 * k);
        }),
        "the palm goes at 1e+03 m/s"},
+      {changed([](Lines& l) {
+         for (std::size_t k = 1; k < l.size(); ++k) l[k][0] = std::to_string(11 * k);
+       }),
+       "less than a row in two seconds; seconds expected"},
+      {changed([](Lines& l) {
+         for (std::size_t k = 1; k < l.size(); ++k) l[k][0] = std::to_string(k), l[k][1] = std::to_string(15 * k);
+       }),
+       "the palm is 45 m and more from its usual place in half of the rows; metres expected"},
       {"time;palm_x;palm_y\n0;1;2\n1;2;3\n", "line 1: no commas"},
       {"step,FFJ2\n0,1\n1,2\n", "no column 'FFJ3'"},
   };

@@ -153,7 +153,12 @@ TEST(Leap, RefusesInOneLine) {
       {each([](Json& row) { row[3][1].erase(7); }), "frame 1: the right hand's pointables are torn"},
       {each([](Json& row) { row[2][0][2] = "north"; }), "direction is not three numbers"},
       {each([](Json& row) { row[2][0][1] = 3; }), "neither \"left\" nor \"right\""},
-      {each([](Json& row) { row[2] = Json::array(); }), "no hand in its 20 frames"},
+      {each([](Json& row) { row[2] = Json::array(); }), "no hand in three or more of its 20 frames"},
+      {changed([](Json& d) {
+         while (d["frames"].size() > 3) d["frames"].erase(3);
+       }),
+       "no hand in three or more of its 2 frames"},
+      {each([](Json& row) { row[1] = 1; }), "all frames have one time stamp"},
       {each([](Json& row) { row[1] = "now"; }), "frame 1: its time stamp is no number"},
       {each([](Json& row) { row[1] = row[1].get<double>() * 1e-6; }), "microseconds expected"},
       {each([](Json& row) { row[1] = row[1].get<double>() * 1e3; }), "microseconds expected"},

@@ -82,6 +82,14 @@ TEST(Placement, ALateHandDelaysNobodyAndStartsClear) {
   expect_placed("late", read_motion(written("late.json", document.dump())), slab({0.6, 0.5, 0.05}));
 }
 
+// A tracker's errors, hundreds of metres away: searched over, they took an hour, and the hand then touched nothing.
+TEST(Placement, MomentsFarAwayDoNotCount) {
+  HandMotion motion = read_motion(written("made.json", leap_document(60, true, false).dump()));
+  for (std::size_t k = 10; k < 60; k += 20)
+    motion.hands[0].keys[k].target.palm.position += Vec3(k == 10 ? 900 : 0, 0, k == 10 ? 0 : -900);
+  expect_placed("far", motion, slab({0.5, 0.5, 0.05}));
+}
+
 TEST(Placement, RealRecordings) {
   const fs::path data = test::recorded_data();
   if (!fs::exists(data / "motion_leap_bones"))

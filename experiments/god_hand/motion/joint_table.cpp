@@ -36,7 +36,8 @@ bool number(std::string_view cell, double& out) {
 }
 
 // What no hand does: numbers in other units.
-constexpr double full_turn = 6.28, fastest = 20;  // rad beyond a joint's limits, m/s
+constexpr double full_turn = 6.28, fastest = 20,
+                 widest = 5;  // rad beyond a joint's limits, m/s, m from its usual place
 
 // The median of the palm's speed between rows [m/s].
 double usual_speed(const Track& track) {
@@ -50,12 +51,7 @@ double usual_speed(const Track& track) {
 
 }  // namespace
 
-void JointTable::refuse(const std::string& why) const {
-  std::string line = file.string() + ": " + why;
-  for (char& ch : line)
-    if (static_cast<unsigned char>(ch) < ' ') ch = ' ';
-  throw BadFile(line);
-}
+void JointTable::refuse(const std::string& why) const { throw BadFile(file.string() + ": " + one_line(why)); }
 
 std::optional<std::size_t> JointTable::find(const std::string& name) const {
   const auto found = std::ranges::find(columns, name);
@@ -79,6 +75,7 @@ void JointTable::only(const std::vector<std::string>& names) const {
 JointTable parse_table(const std::filesystem::path& file, const std::string& text) {
   JointTable table{.file = file, .columns = {}, .rows = {}};
   std::string_view rest = text;
+  if (rest.starts_with("\xff\xfe") || rest.starts_with("\xfe\xff")) table.refuse("UTF-16; text in UTF-8 expected");
   if (rest.starts_with("\xef\xbb\xbf")) rest.remove_prefix(3);  // a byte order mark
   std::size_t line = 0;
   for (const auto text_of_line : std::views::split(rest, '\n')) {
@@ -142,6 +139,8 @@ HandMotion plain_motion(const JointTable& table) {
   for (std::size_t k = 1; k < rows.size(); ++k)
     if (rows[k].time - rows[k - 1].time > 600) table.refuse("more than 10 minutes between two rows; seconds expected");
   motion.duration = rows.back().time - rows.front().time;
+  if (motion.duration > 2 * static_cast<double>(rows.size()))
+    table.refuse("less than a row in two seconds; seconds expected");
 
   for (const std::string& prefix : prefixes) {
     Track track{.model = prefix == "left_" ? hand::mirrored(hand::standard()) : hand::standard()};
@@ -189,6 +188,11 @@ HandMotion plain_motion(const JointTable& table) {
     if (const double speed = usual_speed(track); speed > fastest)
       table.refuse("the palm goes at " + printed("%.3g", speed) +
                    " m/s and more in half of the rows; metres and seconds expected");
+    std::vector<Vec3> palms;
+    for (const Track::Key& key : track.keys) palms.push_back(key.target.palm.position);
+    if (const double distance = usual_place(palms).distance; distance > widest)
+      table.refuse("the palm is " + printed("%.3g", distance) +
+                   " m and more from its usual place in half of the rows; metres expected");
     track.misfit_mean = sum / (15 * static_cast<double>(sound));
     motion.hands.push_back(std::move(track));
   }

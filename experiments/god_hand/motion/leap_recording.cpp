@@ -83,7 +83,7 @@ class Reader {
     const std::size_t repeated = put_in_order(rows_);
     note(out.notes, torn, "torn: " + fault_);
     note(out.notes, repeated, "with the time stamp of another");
-    check_times();
+    check_times(repeated);
 
     std::array<RecordedTrack, 2> track;
     std::array<std::size_t, 2> kept = {};
@@ -109,7 +109,7 @@ class Reader {
       if (kept[s] > 0 && !passing) out.hands.push_back(std::move(track[s]));
       if (passing) note(out.notes, kept[s], std::string("show a ") + side_name[s] + " hand: passed over");
     }
-    if (out.hands.empty()) refuse("no hand in its " + std::to_string(rows_.size()) + " frames");
+    if (out.hands.empty()) refuse("no hand in three or more of its " + counted(rows_.size(), "frame"));
     return out;
   }
 
@@ -234,8 +234,9 @@ class Reader {
     return out;
   }
 
-  void check_times() const {
-    if (rows_.size() < 2) refuse("a single frame is no motion");
+  void check_times(std::size_t repeated) const {
+    if (rows_.size() < 2)
+      refuse(repeated > 0 ? "all frames have one time stamp: microseconds expected" : "a single frame is no motion");
     for (std::size_t k = 1; k < rows_.size(); ++k)
       if (rows_[k].time - rows_[k - 1].time > 600)
         refuse("more than 10 minutes between two frames: time stamps in microseconds expected");

@@ -5,6 +5,7 @@
 
 #include <zwang/bench/scenes/physical.h>
 #include <zwang/experiments/god_hand/motion/motions.h>
+#include <zwang/experiments/god_hand/motion/recording.h>
 #include <zwang/experiments/god_hand/scenes/depth.h>
 
 namespace zwang::god {
@@ -48,6 +49,11 @@ class Finder {
         for (const Pose<double>& pose : hand) middle += pose.position / static_cast<double>(16 * m.size());
       middles_.push_back(middle);
     }
+    // Some moments may be a tracker's error, hundreds of metres away, and the search goes from the highest to the
+    // lowest.
+    const Usual usual = usual_place(middles_);
+    const double far = std::max(5.0, 3 * usual.distance);
+    std::erase_if(middles_, [&](const Vec3& p) { return (p - usual.place).norm() > far; });
   }
 
   Placement evaluate(const Pose<double>& by) const {

@@ -54,6 +54,23 @@ inline double upper_median(std::vector<double> values) {
   return *middle;
 }
 
+// Where points mostly are: their median along each axis, and the median of their distances from it [m].
+struct Usual {
+  Vec3 place = Vec3::Zero();
+  double distance = 0;
+};
+inline Usual usual_place(const std::vector<Vec3>& points) {
+  Usual out;
+  std::vector<double> values(points.size());
+  for (Index axis = 0; axis < 3; ++axis) {
+    std::ranges::transform(points, values.begin(), [&](const Vec3& p) { return p[axis]; });
+    out.place[axis] = upper_median(values);
+  }
+  std::ranges::transform(points, values.begin(), [&](const Vec3& p) { return (p - out.place).norm(); });
+  out.distance = upper_median(std::move(values));
+  return out;
+}
+
 // Adds "3 frames <what>", "1 frame <what>", nothing of none.
 inline void note(std::vector<std::string>& notes, std::size_t count, const std::string& what) {
   if (count > 0) notes.push_back(counted(count, "frame") + " " + what);
