@@ -122,7 +122,6 @@ TEST(Scenes, OfRealParts) {
   EXPECT_EQ(two.objects[0].mesh, two.objects[1].mesh);
   EXPECT_NEAR(two.objects[0].pose.position.z() + two.objects[0].mesh->high().z(), 0, 1e-12);
   EXPECT_THROW(make_surroundings(ring + "@mn", {}), BadFile);
-  EXPECT_THROW(make_surroundings(ring, {}), BadFile);  // 150 m wide
 }
 
 void expect_line(const std::string& scene, const fs::path& parts, const std::string& part) {
@@ -148,6 +147,13 @@ TEST(Scenes, BadOnesGetOneLine) {
   expect_line((folder / "words.obj@mm").string(), {}, "words.obj");
   expect_line((folder / "none.stl").string(), {}, "none.stl");
   expect_line("a.stl,,b.stl", {}, "a.stl");
+  // A pinion of 32 mm whose file is in millimetres.
+  std::ofstream(folder / "part.obj") << "v 0 0 0\nv 32 0 0\nv 0 32 0\nf 1 2 3\n";
+  const std::string part = (folder / "part.obj").string();
+  expect_line(part, {}, "32 m wide; give its unit, such as part.obj@mm");
+  expect_line(part + "@um", {}, "3.2e-05 m wide; in its unit 1 mm to 50 m expected");
+  EXPECT_EQ(make_surroundings(part + "@mm", {}).objects.size(), 1u);
+  EXPECT_EQ(make_surroundings(part + "@m", {}).objects.size(), 1u);
 }
 
 }  // namespace

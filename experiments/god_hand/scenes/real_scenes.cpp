@@ -4,6 +4,7 @@
 #include <ranges>
 
 #include <zwang/collision/load.h>
+#include <zwang/core/problem/wording.h>
 #include <zwang/experiments/god_hand/scenes/scene_objects.h>
 
 namespace zwang::god {
@@ -124,10 +125,13 @@ Surroundings files_scene(const std::string& files) {
     const auto [file, unit] = collision::parse_mesh_name(item);
     TreePointer& tree = known[item];
     if (!tree) tree = load(file, unit);
+    // Without a unit metres may be meant, but not where a part of 3 mm or more is in a file of millimetres.
+    const bool given = file != item;
     const double width = (tree->high() - tree->low()).maxCoeff();
-    if (width > 50)
-      throw BadFile(file.string() + ": " + std::to_string(std::lround(width)) + " m wide; give its unit, such as " +
-                    file.filename().string() + "@mm");
+    if (width > (given ? 50 : 3) || width < 1e-3)
+      throw BadFile(file.string() + ": " + printed("%.3g", width) + " m wide; " +
+                    (given ? "in its unit 1 mm to 50 m expected"
+                           : "give its unit, such as " + file.filename().string() + "@mm (or @m, if it is)"));
     parts.emplace_back(file.filename().string(), tree);
   }
   s.objects = in_rows(parts);
