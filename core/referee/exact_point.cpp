@@ -1,5 +1,6 @@
 #include <gmpxx.h>
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -14,7 +15,8 @@ namespace {
 
 using referee::slip_lifts;
 using Rational = mpq_class;
-using Exact = std::vector<Rational>;
+using Exact = VectorX<Rational>;
+using Rationals = Eigen::Matrix<Rational, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 using Form = std::vector<std::pair<Index, Rational>>;  // sum of factor times row
 
 constexpr double most_products = 30000;  // of an inverse of M and a matrix of Delassus
@@ -22,31 +24,28 @@ constexpr std::size_t most_edges = 8;    // of which all sets are tried
 constexpr int simple = 30;               // bits: what ran out of digits may be a simple number
 
 // Gauss and Jordan, the first columns first: the pivots' columns, whose rows come first.
-std::vector<std::size_t> reduce(std::vector<Exact>& rows, std::size_t columns) {
-  std::vector<std::size_t> pivots;
-  for (std::size_t j = 0; j < columns && pivots.size() < rows.size(); ++j) {
-    Exact& top = rows[pivots.size()];
-    const auto below = rows.begin() + std::ssize(pivots);
-    const auto found = std::find_if(below, rows.end(), [j](const Exact& row) { return row[j] != 0; });
-    if (found == rows.end()) continue;
-    std::swap(*found, top);
-    const Rational pivot = top[j];
-    for (std::size_t k = j; k < top.size(); ++k)
-      if (top[k] != 0) top[k] /= pivot;
-    for (Exact& row : rows) {
-      if (&row == &top || row[j] == 0) continue;
-      const Rational factor = row[j];
-      for (std::size_t k = j; k < row.size(); ++k)
-        if (top[k] != 0) row[k] -= factor * top[k];
+std::vector<Index> reduce(Rationals& rows, Index columns) {
+  std::vector<Index> pivots;
+  for (Index j = 0; j < columns && std::ssize(pivots) < rows.rows(); ++j) {
+    const Index top = std::ssize(pivots);
+    Index found = top;
+    while (found < rows.rows() && rows(found, j) == 0) ++found;
+    if (found == rows.rows()) continue;
+    rows.row(found).swap(rows.row(top));
+    rows.row(top) /= Rational(rows(top, j));
+    for (Index i = 0; i < rows.rows(); ++i) {
+      const Rational factor = rows(i, j);
+      if (i == top || factor == 0) continue;
+      for (Index k = j; k < rows.cols(); ++k)
+        if (rows(top, k) != 0) rows(i, k) -= factor * rows(top, k);
     }
     pivots.push_back(j);
   }
   return pivots;
 }
 
-bool holds_beyond(const std::vector<Exact>& rows, std::size_t rank) {
-  return std::all_of(rows.begin() + static_cast<std::ptrdiff_t>(rank), rows.end(),
-                     [](const Exact& row) { return row.back() == 0; });
+bool holds_beyond(const Rationals& rows, std::size_t rank) {
+  return (rows.rightCols<1>().bottomRows(rows.rows() - static_cast<Index>(rank)).array() == Rational(0)).all();
 }
 
 std::optional<Rational> root(const Rational& square) {
@@ -71,21 +70,17 @@ struct Edge {
 
 class ExactSearch {
  public:
-  ExactSearch(const Problem& problem, const Vector& z) : p_(problem), z_u_(exactly(problem.z_u)), z_(exactly(z)) {
-    for (Index i = 0; i < p_.rows(); ++i) {
-      J_.emplace_back(z_u_.size(), 0);
-      for (RowMatrix::InnerIterator it(p_.J, i); it; ++it) J_.back()[at(it.col())] = it.value();
-      c_.emplace_back(std::isfinite(p_.c[i]) ? p_.c[i] : 0);
-    }
-    for (std::size_t j = 0; j < z_u_.size(); ++j) M_.emplace_back(z_u_.size(), 0);
-    for (Index j = 0; j < p_.M.outerSize(); ++j)
-      for (SparseMatrix::InnerIterator it(p_.M, j); it; ++it) M_[at(it.row())][at(j)] = it.value();
-  }
+  ExactSearch(const Problem& problem, const Vector& z)
+      : p_(problem),
+        M_(Matrix(problem.M).cast<Rational>()),
+        J_(Matrix(problem.J).cast<Rational>()),
+        z_u_(problem.z_u.cast<Rational>()),
+        z_(z.cast<Rational>()),
+        c_(problem.c.unaryExpr([](double c) { return std::isfinite(c) ? c : 0; }).cast<Rational>()) {}
 
   // z as it stands.
   bool forces_at(const Exact& z, std::span<const Vector> guesses) {
-    Exact moved = z;
-    for (std::size_t j = 0; j < z.size(); ++j) moved[j] -= z_u_[j];
+    const Exact force = M_ * (z - z_u_);
     std::vector<Edge> edges;
     for (Index i = 0; i < p_.rows(); i += size(i))
       if (counts(i) && !add_edges(i, z, edges)) return false;
@@ -94,29 +89,21 @@ class ExactSearch {
       std::ranges::stable_sort(edges, {}, [](const Edge& e) { return -std::abs(e.guess); });
       const double largest = edges.empty() ? 0 : std::abs(edges[0].guess);
       for (const Frozen frozen : {Frozen::guessed, Frozen::simple, Frozen::nothing}) {
-        std::vector<Exact> system;
-        for (std::size_t j = 0; j < z.size(); ++j) {
-          Exact row;
-          for (const Edge& edge : edges) {
-            Rational sum = 0;
-            for (const auto& [i, factor] : edge.push) sum += factor * J_[at(i)][j];
-            row.push_back(sum);
-          }
-          row.push_back(dot(M_[j], moved));
-          system.push_back(std::move(row));
-        }
-        const std::vector<std::size_t> pivots = reduce(system, edges.size());
+        const Index count = std::ssize(edges);
+        Rationals system = Rationals::Zero(z.size(), count + 1);
+        for (Index k = 0; k < count; ++k)
+          for (const auto& [i, factor] : edges[at(k)].push) system.col(k) += factor * J_.row(i).transpose();
+        system.col(count) = force;
+        const std::vector<Index> pivots = reduce(system, count);
         if (!holds_beyond(system, pivots.size())) return false;
-        Exact weights(edges.size(), 0);
-        for (std::size_t k = 0, pivot = 0; k < edges.size(); ++k) {
-          if (pivot < pivots.size() && pivots[pivot] == k) {
-            ++pivot;
-          } else if (frozen != Frozen::nothing) {
-            weights[k] = frozen == Frozen::simple ? simplified(edges[k].guess, largest) : edges[k].guess;
-            for (std::size_t r = 0; r < pivots.size(); ++r) system[r].back() -= system[r][k] * weights[k];
-          }
+        Exact weights = Exact::Zero(count);
+        for (Index k = 0; k < count && frozen != Frozen::nothing; ++k) {
+          if (std::ranges::find(pivots, k) != pivots.end()) continue;
+          const double guessed = edges[at(k)].guess;
+          weights[k] = frozen == Frozen::simple ? simplified(guessed, largest) : guessed;
+          system.col(count) -= system.col(k) * weights[k];
         }
-        for (std::size_t r = 0; r < pivots.size(); ++r) weights[pivots[r]] = system[r].back();
+        for (std::size_t r = 0; r < pivots.size(); ++r) weights[pivots[r]] = system(static_cast<Index>(r), count);
         if (take(z, edges, weights)) return true;
         if (pivots.size() == edges.size()) break;
       }
@@ -142,13 +129,11 @@ class ExactSearch {
       chosen.clear();
       for (std::size_t k = 0; k < edges.size(); ++k)
         if (set >> k & 1) chosen.push_back(edges[k]);
-      if (chosen.size() <= z_.size() && solve(chosen) && is_close()) return;
+      if (std::ssize(chosen) <= z_.size() && solve(chosen) && is_close()) return;
     }
   }
 
   const std::optional<ExactPoint>& best() const { return best_; }
-
-  static Exact exactly(const Vector& v) { return {v.begin(), v.end()}; }
 
  private:
   enum class Frozen { guessed, simple, nothing };  // where forces that are free to change stay
@@ -158,19 +143,8 @@ class ExactSearch {
   Index tangents(Index i) const { return size(i) > 1 && p_.mu[i] > 0 ? size(i) - 1 : 0; }
   bool counts(Index i) const { return p_.c[i] != -infinity; }
 
-  static Rational dot(const Exact& a, const Exact& b) {
-    Rational sum = 0;
-    for (std::size_t k = 0; k < a.size(); ++k)
-      if (a[k] != 0 && b[k] != 0) sum += a[k] * b[k];
-    return sum;
-  }
-  Rational squared(const Exact& v) const {
-    Rational sum = 0;
-    for (std::size_t j = 0; j < v.size(); ++j)
-      if (v[j] != 0) sum += v[j] * dot(M_[j], v);
-    return sum;
-  }
-  Rational slack(Index i, const Exact& z) const { return dot(J_[at(i)], z) - c_[at(i)]; }
+  Rational squared(const Exact& v) const { return v.dot(M_ * v); }
+  Rational slack(Index i, const Exact& z) const { return J_.row(i).dot(z) - c_[i]; }
 
   // The edges of a contact with one tangent: n - mu t and n + mu t.
   Edge side(Index i, int sign) const { return {i, {{i, 1}, {i + 1, sign * Rational(p_.mu[i])}}, false}; }
@@ -224,7 +198,7 @@ class ExactSearch {
   bool solves(const Exact& z, const Exact& lambda) const {
     for (Index i = 0; i < p_.rows(); i += size(i)) {
       if (!counts(i)) continue;
-      const Rational normal = slack(i, z), &force = lambda[at(i)];
+      const Rational normal = slack(i, z), &force = lambda[i];
       if (p_.is_equality(i)) {
         if (normal != 0) return false;
         continue;
@@ -235,8 +209,8 @@ class ExactSearch {
       for (Index k = i + 1; k <= i + t; ++k) {
         const Rational s = slack(k, z);
         slip += s * s;
-        along += lambda[at(k)] * lambda[at(k)];
-        work += lambda[at(k)] * s;
+        along += lambda[k] * lambda[k];
+        work += lambda[k] * s;
       }
       const Rational edge = mu * force;
       if (normal < 0 || force < 0 || along > edge * edge) return false;
@@ -252,15 +226,13 @@ class ExactSearch {
   }
 
   bool take(const Exact& z, const std::vector<Edge>& edges, const Exact& weights) {
-    Exact lambda(J_.size(), 0);
-    for (std::size_t k = 0; k < edges.size(); ++k) {
-      if (!edges[k].free && weights[k] < 0) return false;
-      for (const auto& [row, factor] : edges[k].push) lambda[at(row)] += factor * weights[k];
+    Exact lambda = Exact::Zero(J_.rows());
+    for (Index k = 0; k < weights.size(); ++k) {
+      if (!edges[at(k)].free && weights[k] < 0) return false;
+      for (const auto& [row, factor] : edges[at(k)].push) lambda[row] += factor * weights[k];
     }
     if (!solves(z, lambda)) return false;
-    Exact off = z;
-    for (std::size_t j = 0; j < off.size(); ++j) off[j] -= z_[j];
-    const ExactPoint point{length(squared(off)), length(squared(z))};
+    const ExactPoint point{length(squared(z - z_)), length(squared(z))};
     if (std::isfinite(point.distance) && std::isfinite(point.size) && !(best_ && best_->distance <= point.distance))
       best_ = point;
     return best_.has_value();
@@ -272,26 +244,19 @@ class ExactSearch {
 
   // M^-1 J', and what touches at z.
   void prepare() {
-    std::vector<Exact> system = M_;
-    for (std::size_t j = 0; j < system.size(); ++j)
-      for (const Exact& row : J_) system[j].push_back(row[j]);
-    reduce(system, M_.size());
-    for (std::size_t i = 0; i < J_.size(); ++i) {
-      moves_.emplace_back();
-      for (const Exact& row : system) moves_[i].push_back(row[M_.size() + i]);
-    }
-    for (const Exact& row : J_) {
-      W_.emplace_back();
-      for (const Exact& move : moves_) W_.back().push_back(dot(row, move));
-      free_slack_.push_back(slack(std::ssize(free_slack_), z_u_));
-    }
+    Rationals system(M_.rows(), M_.cols() + J_.rows());
+    system << M_, J_.transpose();
+    reduce(system, M_.cols());
+    moves_ = system.rightCols(J_.rows());
+    W_ = J_ * moves_;
+    free_slack_ = J_ * z_u_ - c_;
     motion_ = std::max(length(squared(z_)), length(squared(z_u_)));
     close_ = referee::sharp_enough * motion_;
   }
   std::vector<Edge> edges_near() const {
     std::vector<Edge> edges;
     const auto zero = [&](Index i) {
-      return referee::touched_by_guess * motion_ * std::sqrt(std::max(0., W_[at(i)][at(i)].get_d()));
+      return referee::touched_by_guess * motion_ * std::sqrt(std::max(0., W_(i, i).get_d()));
     };
     for (Index i = 0; i < p_.rows(); i += size(i)) {
       if (!counts(i)) continue;
@@ -316,7 +281,8 @@ class ExactSearch {
 
   // The z at which these edges push, and the rows hold that they ask for.
   bool solve(const std::vector<Edge>& edges) {
-    std::vector<Exact> system;
+    const Index count = std::ssize(edges);
+    Rationals system = Rationals::Zero(count, count + 1);
     for (auto edge = edges.begin(); edge != edges.end(); ++edge) {
       Form held = edge->push;
       if (slip_lifts(p_.law) && tangents(edge->row) > 0) {
@@ -324,31 +290,30 @@ class ExactSearch {
             std::any_of(edges.begin(), edge, [&](const Edge& before) { return before.row == edge->row; });
         held = {{second ? edge->row + 1 : edge->row, 1}};
       }
-      Exact row(edges.size() + 1, 0);
+      const Index r = edge - edges.begin();
       for (const auto& [i, a] : held) {
-        for (std::size_t k = 0; k < edges.size(); ++k)
-          for (const auto& [j, b] : edges[k].push) row[k] += a * b * W_[at(i)][at(j)];
-        row.back() -= a * free_slack_[at(i)];
+        for (Index k = 0; k < count; ++k)
+          for (const auto& [j, b] : edges[at(k)].push) system(r, k) += a * b * W_(i, j);
+        system(r, count) -= a * free_slack_[i];
       }
-      system.push_back(std::move(row));
     }
-    const std::vector<std::size_t> pivots = reduce(system, edges.size());
+    const std::vector<Index> pivots = reduce(system, count);
     if (!holds_beyond(system, pivots.size())) return false;
-    Exact weights(edges.size(), 0), z = z_u_;
+    Exact weights = Exact::Zero(count), z = z_u_;
     for (std::size_t r = 0; r < pivots.size(); ++r) {
-      weights[pivots[r]] = system[r].back();
-      if (!edges[pivots[r]].free && system[r].back() < 0) return false;
+      weights[pivots[r]] = system(static_cast<Index>(r), count);
+      if (!edges[at(pivots[r])].free && weights[pivots[r]] < 0) return false;
     }
-    for (std::size_t k = 0; k < edges.size(); ++k)
-      for (const auto& [row, factor] : edges[k].push)
-        for (std::size_t j = 0; j < z.size() && weights[k] != 0; ++j) z[j] += weights[k] * factor * moves_[at(row)][j];
+    for (Index k = 0; k < count; ++k)
+      for (const auto& [row, factor] : edges[at(k)].push)
+        if (weights[k] != 0) z += Rational(weights[k] * factor) * moves_.col(row);
     return take(z, edges, weights);
   }
 
   bool is_close() const { return best_ && best_->distance <= close_; }
 
   const Problem& p_;
-  std::vector<Exact> M_, J_, moves_, W_;  // moves: M^-1 J', a row each
+  Rationals M_, J_, moves_, W_;  // moves: M^-1 J'
   Exact z_u_, z_, c_, free_slack_;
   double motion_ = 0, close_ = 0;
   std::optional<ExactPoint> best_;
@@ -368,8 +333,8 @@ std::optional<ExactPoint> exact_point(const Problem& problem, const Vector& z, s
     const double size = point.size() > 0 ? point.lpNorm<Eigen::Infinity>() : 0;
     Vector rounded = point;
     for (double& entry : rounded) entry = simplified(entry, size);
-    return point.allFinite() && (search.forces_at(ExactSearch::exactly(point), guesses) ||
-                                 search.forces_at(ExactSearch::exactly(rounded), guesses));
+    return point.allFinite() &&
+           (search.forces_at(point.cast<Rational>(), guesses) || search.forces_at(rounded.cast<Rational>(), guesses));
   };
   if (holds(z) || std::ranges::any_of(near, holds)) return search.best();
   search.sets_of_edges(guesses);
