@@ -301,9 +301,10 @@ class ProofSearch {
       found = prove_near(contacts, {x, l, modes_by_size(contacts, x, l, referee::mode_cut)});
     }
     if (!found.proven) {
-      ExtendedVector slips = ExtendedVector::Zero(std::ssize(contacts.contacts));
-      for (Index c = 0; c < slips.size() && coulomb; ++c) slips[c] = contacts.slip(contacts.contacts[at(c)], x);
-      const ConvexBound bound = bound_convex(contacts, slips, Vector::Zero(slips.size()), nullptr);
+      Slips slips(std::ssize(contacts.contacts));
+      for (Index c = 0; c < slips.sigma.size() && coulomb; ++c)
+        slips.sigma[c] = contacts.slip(contacts.contacts[at(c)], x);
+      const ConvexBound bound = bound_convex(contacts, slips, nullptr);
       found.point = bound;
       if (coulomb && bound.x.size() > 0) found = prove_near(contacts, found.point);
       if (bound.x.size() == 0 || (coulomb && !found.proven)) throw NoProof("no solution was found near it");

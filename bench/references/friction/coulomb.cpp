@@ -206,8 +206,7 @@ std::optional<Reference> convex_reference(const Problem& problem, std::string* w
   const ScaledProblem scaled(problem);
   if (!scaled.definite) return give_up("M is not positive definite");
   const ContactProblem p(problem, scaled, first_scale(problem, scaled));
-  const Index count = std::ssize(p.contacts);
-  const ConvexBound found = bound_convex(p, ExtendedVector::Zero(count), Vector::Zero(count), nullptr);
+  const ConvexBound found = bound_convex(p, Slips(std::ssize(p.contacts)), nullptr);
   if (found.rows == ConvexBound::Rows::infeasible) return give_up("rows contradict each other");
   if (!(found.upper < std::numeric_limits<double>::infinity())) return give_up("duality bounds no answer");
   Reference out{.z = p.rounded_motion(found.x),

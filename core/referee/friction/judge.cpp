@@ -26,16 +26,10 @@ double distance(const ContactProblem& p, const ExtendedVector& a, const Extended
   return or_infinity(p.norm(a - b));
 }
 
-struct Slips {
-  ExtendedVector sigma;
-  Vector error;
-};
-
 // sigma(z) under Coulomb's law. Under the convex law 0.
 Slips slips_at(const ContactProblem& p, const ExtendedVector& x, Law law) {
-  const Index count = std::ssize(p.contacts);
-  Slips out{.sigma = ExtendedVector::Zero(count), .error = Vector::Zero(count)};
-  for (Index c = 0; c < count && slip_lifts(law); ++c) {
+  Slips out(std::ssize(p.contacts));
+  for (Index c = 0; c < out.error.size() && slip_lifts(law); ++c) {
     out.sigma[c] = p.slip(p.contacts[at(c)], x);
     out.error[c] = p.slip_error(p.contacts[at(c)], x);
   }
@@ -169,7 +163,7 @@ Found find(const Problem& problem, const ContactProblem& p, const ExtendedVector
   if (may_bound(p)) {
     if (nearest.proof.proven) guess = nearest.proof.point;
     const bool needs_less = !coulomb || within(accepted);  // beside a proof it may only contradict
-    convex = bound_convex(p, slips.sigma, slips.error, guess.modes.empty() ? nullptr : &guess,
+    convex = bound_convex(p, slips, guess.modes.empty() ? nullptr : &guess,
                           std::max(needs_less ? enough * accepted * p.scale : 0, referee::sharp_enough));
   }
   found.rows = convex.rows;
@@ -240,7 +234,7 @@ bool proven_feasible(const Problem& problem, const ScaledProblem& scaled, double
   Slips slips = slips_at(p, ExtendedVector::Zero(p.size()), problem.law);
   for (Index c = 0; c < slips.sigma.size(); ++c)
     if (p.contacts[at(c)].unit > 0) slips.sigma[c] = 0, slips.error[c] = 0;
-  const ConvexBound bound = bound_convex(p, slips.sigma, slips.error, nullptr);
+  const ConvexBound bound = bound_convex(p, slips, nullptr);
   return slip_lifts(problem.law) ? bound.interior : bound.rows == ConvexBound::Rows::feasible;
 }
 

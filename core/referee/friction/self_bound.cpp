@@ -16,13 +16,8 @@ using referee::or_infinity, referee::up;
 
 class Duality {
  public:
-  Duality(const ContactProblem& problem, const ExtendedVector& sigma, const Vector& sigma_error,
-          std::vector<Index> equalities)
-      : p_(problem),
-        sigma_(sigma),
-        sigma_error_(sigma_error),
-        equalities_(std::move(equalities)),
-        orthogonal_(problem.size()) {
+  Duality(const ContactProblem& problem, const Slips& slips, std::vector<Index> equalities)
+      : p_(problem), slips_(slips), equalities_(std::move(equalities)), orthogonal_(problem.size()) {
     for (const Index i : equalities_) {
       const auto split = orthogonal_.split(p_.scaled().unit_row(i));
       if (split.dependent) return;
@@ -76,9 +71,9 @@ class Duality {
     DoubleDouble s = p_.slack(contact.row, x);
     double error = p_.slack_error(contact.row, x);
     if (contact.rows() > 1) {
-      s += DoubleDouble(contact.mu) * (sigma_[c] - p_.slip(contact, x));
-      error += contact.mu * (sigma_error_[c] + p_.slip_error(contact, x)) +
-               referee::rounding_of_few * (std::abs(s.hi) + contact.mu * (sigma_[c].hi + p_.slip(contact, x).hi));
+      s += DoubleDouble(contact.mu) * (slips_.sigma[c] - p_.slip(contact, x));
+      error += contact.mu * (slips_.error[c] + p_.slip_error(contact, x)) +
+               referee::rounding_of_few * (std::abs(s.hi) + contact.mu * (slips_.sigma[c].hi + p_.slip(contact, x).hi));
       for (Index t = 1; t < contact.rows(); ++t) reach += contact.mu * p_.row_norm[contact.row + t];
     }
     return s.hi - up(error + reach * off) - std::abs(s.hi) * referee::measured;
@@ -116,7 +111,7 @@ class Duality {
   // J_i = 0: s = -c, as stored; sigma is |s_t| itself, or 0.
   bool fixed_holds(Index c) const {
     const ContactRows& contact = p_.contacts[at(c)];
-    const bool lifted = sigma_error_[c] > 0;
+    const bool lifted = slips_.error[c] > 0;
     if (contact.rows() == 1 || lifted) return p_.scaled().zero_row_holds(contact.row);
     const auto c_of = p_.scaled().stored_c.segment(contact.row, contact.rows());
     const double top = c_of.lpNorm<Eigen::Infinity>();
@@ -156,11 +151,12 @@ class Duality {
       const Index row = contact.row;
       into_cone(contact, lambda);
       if (contact.unit == 0) continue;
-      const DoubleDouble lifted = contact.rows() > 1 ? p_.slack(contact.row, x) + DoubleDouble(contact.mu) * sigma_[c]
-                                                     : p_.slack(contact.row, x);
+      const DoubleDouble lifted = contact.rows() > 1
+                                      ? p_.slack(contact.row, x) + DoubleDouble(contact.mu) * slips_.sigma[c]
+                                      : p_.slack(contact.row, x);
       DoubleDouble part = lambda[row] * lifted;
       double sizes = std::abs(part.hi);
-      rounding += lambda[row].hi * (p_.slack_error(contact.row, x) + contact.mu * sigma_error_[c]);
+      rounding += lambda[row].hi * (p_.slack_error(contact.row, x) + contact.mu * slips_.error[c]);
       pushes[row] = lambda[row];
       for (Index t = 1; t < contact.rows(); ++t) {
         const Index k = row + t;
@@ -171,7 +167,7 @@ class Duality {
         pushes[k] = lambda[k];
       }
       product += part;
-      rounding += referee::rounding_of_few * (sizes + contact.mu * lambda[row].hi * sigma_[c].hi);
+      rounding += referee::rounding_of_few * (sizes + contact.mu * lambda[row].hi * slips_.sigma[c].hi);
     }
     rounding += referee::rounding_of(std::ssize(p_.contacts)) * std::abs(product.hi);
     const double residual =
@@ -208,8 +204,7 @@ class Duality {
   }
 
   const ContactProblem& p_;
-  const ExtendedVector& sigma_;
-  const Vector& sigma_error_;
+  const Slips& slips_;
   std::vector<Index> equalities_;
   OrthogonalRows orthogonal_;
   double sigma_min_ = 0;
@@ -228,28 +223,27 @@ double bound_turn(const ContactProblem& p) {
   bool contradictory = p.fixed_contradiction;
   const std::vector<Index> equalities = independent_equalities(p, contradictory);
   if (contradictory || !p.exact) return infinity;
-  const ExtendedVector none = ExtendedVector::Zero(std::ssize(p.contacts));
-  Vector error = Vector::Zero(std::ssize(p.contacts));
-  for (Index c = 0; c < error.size(); ++c)
-    if (p.contacts[at(c)].unit == 0) error[c] = 1;  // nothing pushes there
-  const Duality duality(p, none, error, equalities);
+  Slips none(std::ssize(p.contacts));
+  for (Index c = 0; c < none.error.size(); ++c)
+    if (p.contacts[at(c)].unit == 0) none.error[c] = 1;  // nothing pushes there
+  const Duality duality(p, none, equalities);
   double least = infinity;
   const auto consider = [&](ExtendedVector x) {
     duality.correct(x);
     if (duality.feasible(x)) least = std::min(least, duality.turn(x));
   };
   const auto method = equalities.empty() ? interior_point<DoubleDouble> : interior_point<double>;
-  for (const InteriorAnswer& iterate : method(p, equalities, &none, {.target = referee::interior_target_rough}))
+  for (const InteriorAnswer& iterate : method(p, equalities, &none.sigma, {.target = referee::interior_target_rough}))
     consider(iterate.x);
   return least;
 }
 
-ConvexBound bound_convex(const ContactProblem& p, const ExtendedVector& sigma, const Vector& sigma_error,
-                         const ModePoint* guess, double enough) {
+ConvexBound bound_convex(const ContactProblem& p, const Slips& slips, const ModePoint* guess, double enough) {
   ConvexBound best;
   bool contradictory = p.fixed_contradiction;
   const std::vector<Index> equalities = contradictory ? std::vector<Index>{} : independent_equalities(p, contradictory);
-  const Duality duality(p, sigma, sigma_error, equalities);
+  const ExtendedVector& sigma = slips.sigma;
+  const Duality duality(p, slips, equalities);
   for (Index c = 0; c < std::ssize(p.contacts); ++c)
     if (p.contacts[at(c)].unit == 0 && !duality.fixed_holds(c)) contradictory = true;
   if (contradictory) {

@@ -5,6 +5,13 @@
 
 namespace zwang {
 
+// sigma, one a contact, exact up to `error`.
+struct Slips {
+  ExtendedVector sigma;
+  Vector error;
+  explicit Slips(Index contacts) : sigma(ExtendedVector::Zero(contacts)), error(Vector::Zero(contacts)) {}
+};
+
 // A motion d near Z(sigma): the convex answer in which the cones of the contacts are lifted by mu sigma (sigma = 0: the
 // convex law itself). In the units of a ContactProblem.
 //
@@ -20,10 +27,9 @@ struct ConvexBound : ModePoint {
   Rows rows = Rows::open;
 };
 
-// sigma: one a contact, exact up to sigma_error. `guess` may be null: modes and multipliers to begin with. An upper
-// that is `enough` is not made smaller.
-ConvexBound bound_convex(const ContactProblem& problem, const ExtendedVector& sigma, const Vector& sigma_error,
-                         const ModePoint* guess, double enough = referee::sharp_enough);
+// `guess` may be null: modes and multipliers to begin with. An upper that is `enough` is not made smaller.
+ConvexBound bound_convex(const ContactProblem& problem, const Slips& slips, const ModePoint* guess,
+                         double enough = referee::sharp_enough);
 
 // C, so that |Z(sigma) - Z(sigma')|^2 <= 2 C d for all slips sigma, sigma' >= 0 of motions that are d apart; infinity
 // where no motion is found that brings every contact with friction to the inside of K*.
