@@ -13,11 +13,11 @@ namespace zwang {
 // build. It is part of an entry's name: what other sources computed is never read.
 extern const std::string_view reference_sources;
 
-// One file a reference: CBOR, with the doubles bit for bit, and a checksum. Written beside its place and renamed, so
+// One file a reference: its numbers as wire.h sends them, and a checksum. Written beside its place and renamed, so
 // that a reader never sees half a file.
 void write_cached(const std::filesystem::path& file, const Reference& reference);
 
-// Empty when the file is absent, torn, altered or of another version.
+// Empty when the file is absent, torn or altered.
 std::optional<Reference> read_cached(const std::filesystem::path& file);
 
 }  // namespace zwang
