@@ -254,19 +254,16 @@ bool names_file(const std::string& motion) {
 }
 
 HandMotion synthetic_motion(const std::string& name, const Surroundings& about) {
-  std::vector<std::string> names;
-  for (const Entry& e : entries) {
-    names.emplace_back(e.name);
-    if (name != e.name) continue;
-    HandMotion motion{.name = name, .hands = e.make(Site(about))};
-    for (const Track& track : motion.hands) {
-      motion.duration = std::max(motion.duration, track.keys.back().time);
-      if (track.held_over > 0)
-        motion.notes.push_back(std::to_string(track.held_over) + " keys lost or NaN, on purpose: held over");
-    }
-    return motion;
+  const auto entry = std::ranges::find(entries, name, &Entry::name);
+  if (entry == std::end(entries))
+    throw std::invalid_argument("no motion '" + name + "'" + did_you_mean(name, names_of(entries, &Entry::name)));
+  HandMotion motion{.name = name, .hands = entry->make(Site(about))};
+  for (const Track& track : motion.hands) {
+    motion.duration = std::max(motion.duration, track.keys.back().time);
+    if (track.held_over > 0)
+      motion.notes.push_back(std::to_string(track.held_over) + " keys lost or NaN, on purpose: held over");
   }
-  throw std::invalid_argument("no motion '" + name + "'" + did_you_mean(name, names));
+  return motion;
 }
 
 }  // namespace zwang::god

@@ -1,5 +1,6 @@
 #include <zwang/experiments/god_hand/scenes/scenes.h>
 
+#include <algorithm>
 #include <stdexcept>
 
 #include <zwang/bench/collision/meshes.h>
@@ -132,18 +133,17 @@ std::vector<std::pair<std::string, std::string>> scenes() {
 }
 
 Surroundings make_surroundings(const std::string& scene, const fs::path& parts) {
-  std::vector<std::string> names;
-  for (const SceneEntry& e : scene_entries) {
-    names.emplace_back(e.name);
-    if (scene != e.name) continue;
-    if (!parts.empty() && !e.of_real_parts)
+  const auto entry = std::ranges::find(scene_entries, scene, &SceneEntry::name);
+  if (entry != std::end(scene_entries)) {
+    if (!parts.empty() && !entry->of_real_parts)
       throw std::invalid_argument("scene '" + scene + "' is not made of real parts; 'simple' and 'engine' are");
-    Surroundings s = parts.empty() ? e.make() : e.of_real_parts(parts);
+    Surroundings s = parts.empty() ? entry->make() : entry->of_real_parts(parts);
     lift_clear(s);
     return s;
   }
   if (scene.find_first_of(".,@/") == std::string::npos)
-    throw std::invalid_argument("no scene '" + scene + "'" + did_you_mean(scene, names));
+    throw std::invalid_argument("no scene '" + scene + "'" +
+                                did_you_mean(scene, names_of(scene_entries, &SceneEntry::name)));
   if (!parts.empty()) throw std::invalid_argument("files are a scene of their own, without a folder of parts");
   return files_scene(scene);
 }

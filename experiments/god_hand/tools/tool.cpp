@@ -122,18 +122,14 @@ std::vector<std::pair<std::string, std::string>> tools() {
 }
 
 Tool make_tool(const std::string& name) {
-  std::vector<std::string> names = {"hand"};
-  for (const Entry& e : entries) {
-    names.emplace_back(e.name);
-    if (name != e.name) continue;
-    Tool tool = e.make();
-    tool.name = name;
-    return tool;
-  }
-  if (name.find_first_of(".,@/") == std::string::npos)
+  const auto entry = std::ranges::find(entries, name, &Entry::name);
+  if (entry == std::end(entries) && name.find_first_of(".,@/") == std::string::npos) {
+    std::vector<std::string> names = names_of(entries, &Entry::name);
+    names.insert(names.begin(), "hand");
     throw std::invalid_argument("no god object '" + name + "'" + did_you_mean(name, names));
-  if (is_mechanism(name)) return read_mechanism(name);
-  Tool tool = of_meshes(name);
+  }
+  if (entry == std::end(entries) && is_mechanism(name)) return read_mechanism(name);
+  Tool tool = entry != std::end(entries) ? entry->make() : of_meshes(name);
   tool.name = name;
   return tool;
 }
