@@ -9,7 +9,7 @@ Distances are taken in the M-norm, |d| = sqrt(d' M d), relative to s = max(|z_u|
     >>> problem = zwang.scene("hand(contacts=16)")
     >>> answer = zwang.solve(problem, "dual_active_set")
     >>> print(zwang.judge(problem, answer.z))        # doctest: +ELLIPSIS
-    solved: |z - z*| is at least ... and at most ...
+    solved: |z - z*| is at least 0 and at most ...
 """
 import json
 import pathlib
