@@ -165,6 +165,8 @@ py::dict settings_of(const SolverEntry& entry) {
   return all;
 }
 
+using Values = SolutionDerivative::Values;
+
 struct Solved {
   Solution solution;
   double seconds = 0;
@@ -241,8 +243,6 @@ PYBIND11_MODULE(_zwang, m) {
       .def_readonly("notes", &Instance::notes)
       .def_property_readonly("bodies", &bodies)
       .def("_scene_change", &change_of_scene)
-      .def("_weigh", [](const Instance& i, const Vector& z) -> Vector { return i.problem.M * z; })
-      .def("_push", [](const Instance& i, const Vector& f) -> Vector { return i.problem.J.transpose() * f; })
       .def_property_readonly("row_names",
                              [](const Instance& i) {
                                std::vector<std::string> names;
@@ -269,8 +269,11 @@ PYBIND11_MODULE(_zwang, m) {
       .def_readonly("seconds", &Solved::seconds);
 
   made_by_calls(py::class_<SolutionDerivative>(m, "SolutionDerivative"))
-      .def(py::init([](const Instance& instance, const Vector& z, const Vector& lambda) {
+      .def(py::init([](const Instance& instance, const Values& z, const Values& lambda) {
         return SolutionDerivative(instance.problem, z, lambda);
+      }))
+      .def(py::init([](const Instance& instance, const Solved& solved) {
+        return SolutionDerivative(instance.problem, solved.solution.z, solved.solution.lambda);
       }))
       .def_property_readonly_static("tie", [](const py::object&) { return tolerances::derivative_tie; })
       .def_readonly("off", &SolutionDerivative::off)
@@ -278,12 +281,25 @@ PYBIND11_MODULE(_zwang, m) {
       .def_readonly("rows", &SolutionDerivative::rows)
       .def_readonly("ties", &SolutionDerivative::ties)
       .def_readonly("by_mu", &SolutionDerivative::by_mu)
-      .def("solve",
-           [](SolutionDerivative& own, const Vector& dz_u, const Vector& force, const Vector& moved, bool back) {
-             SolutionDerivative::Change change = own.solve(dz_u, force, moved, back);
-             return std::tuple(std::move(change.z), std::move(change.lambda), change.is_unique, change.is_settled,
-                               change.is_small);
-           });
+      .def_property_readonly("slides", &SolutionDerivative::slides)
+      .def(
+          "along",
+          [](SolutionDerivative& own, const Values& dz_u, const Values& force, const Values& moved, const Values& dmu) {
+            SolutionDerivative::Change change = own.along(dz_u, force, moved, dmu);
+            return std::tuple(std::move(change.z), std::move(change.lambda), change.is_unique, change.is_settled,
+                              change.is_small);
+          })
+      .def("back", [](SolutionDerivative& own, const Values& z_bar, const Values& lambda_bar) {
+        SolutionDerivative::Bars bars = own.back(z_bar, lambda_bar);
+        return std::tuple(std::move(bars.change.z), std::move(bars.change.lambda), std::move(bars.z_u),
+                          std::move(bars.mu), bars.change.is_unique);
+      });
+  m.def("outer_sum", [](const Values& a, const Values& b, const Values& c, const Values& d) {  // a b' + c d'
+    py::array_t<double> out({a.size(), b.size()});
+    for (Index i = 0; i < a.size(); ++i)
+      Eigen::Map<Vector>(out.mutable_data() + i * b.size(), b.size()) = a[i] * b + c[i] * d;
+    return out;
+  });
 
   made_by_calls(py::class_<Judgement>(m, "Judgement"))
       .def_property_readonly("verdict", [](const Judgement& j) { return std::string(to_string(j.verdict)); })

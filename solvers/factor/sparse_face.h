@@ -16,6 +16,7 @@ class SparseFace final : public ConeFace {
   // rows: those of the cones, three of one pattern after each other, then the single ones.
   void reset(const Problem& problem, const SparseRows& rows, Index cones, const SolveOptions& options,
              const Deadline& deadline);
+  void end_by(const Deadline& deadline) { deadline_ = deadline; }
   Index column(Index unknown) const { return factor_.column(static_cast<int>(unknown)); }
 
   Index unknowns() const override { return factor_.size(); }

@@ -41,6 +41,15 @@ std::string_view NullSpaceForm::build(const Problem& problem) {
   return {};
 }
 
+void NullSpaceForm::shift(const Vector& h) {
+  for (std::size_t k = 0; k < equalities_.size(); ++k) {
+    const Index e = equalities_[k];
+    sigma_[static_cast<Index>(k)] = h[rows_.row[at(e)]] / rows_.row_norm[e];
+  }
+  tree_.shift(sigma_, y_E_);
+  meet_cut(sigma_, y_E_);
+}
+
 // (G_cut N)' = Q [R; 0] by reflections; the last columns of Q are what the loops leave of N.
 bool NullSpaceForm::close_loops() {
   const Index f = tree_.freedom(), r = static_cast<Index>(tree_.cut().size());

@@ -28,6 +28,9 @@ class NullSpaceForm {
   const std::vector<Index>& inequalities() const { return inequalities_; }  // of rows()
   const Motion& y_E() const { return y_E_; }
   double smallest_pivot() const { return smallest_pivot_; }
+  // y_E of other h, by rows of the problem that are not of unit length yet; and all of it `by` as long.
+  void shift(const Vector& h);
+  void stretch(double by) { y_E_ *= by; }
 
   // N'g_i into the first freedom() entries of a padded column, zeros behind: for many rows after form_basis().
   void form_basis();

@@ -50,6 +50,21 @@ struct BasicWhitened {
   Index size() const { return free.size(); }
   Index rows() const { return h.size(); }
 
+  // x 2^e by products, which are quicker than ldexp; by two where 2^e may not fit a double.
+  class PowerOfTwo {
+   public:
+    explicit PowerOfTwo(int e) {
+      using std::ldexp;
+      const int half = std::abs(e) > 1000 ? e / 2 : 0;
+      if (half != 0) first_ = ldexp(Scalar(1), half);
+      if (e != 0) second_ = ldexp(Scalar(1), e - half);
+    }
+    Scalar operator*(const Scalar& x) const { return x * first_ * second_; }
+
+   private:
+    Scalar first_{1}, second_{1};
+  };
+
   // False when M is not positive definite. Throws Stopped past the deadline, or where rows that M fills do not fit into
   // the memory there is. Without `keep_rows` G stays empty: for methods that need the norms alone.
   bool build(const BasicProblem<Scalar>& problem, const Deadline& deadline = Deadline(),
@@ -115,20 +130,6 @@ struct BasicWhitened {
       if (const Scalar a = abs(it.value()); a > top) top = a;
     return top;
   }
-  // x 2^e by products, which are quicker than ldexp; by two where 2^e may not fit a double.
-  class PowerOfTwo {
-   public:
-    explicit PowerOfTwo(int e) {
-      using std::ldexp;
-      const int half = std::abs(e) > 1000 ? e / 2 : 0;
-      if (half != 0) first_ = ldexp(Scalar(1), half);
-      if (e != 0) second_ = ldexp(Scalar(1), e - half);
-    }
-    Scalar operator*(const Scalar& x) const { return x * first_ * second_; }
-
-   private:
-    Scalar first_{1}, second_{1};
-  };
   void select_rows(const BasicProblem<Scalar>& p);
 
   // Row `row` of J, scaled, into place_ and value_. Returns its product with `free`, and whether L leaves each of its

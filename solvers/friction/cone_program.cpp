@@ -185,6 +185,32 @@ bool ConeProgram::build(const Problem& p, Want want, const SolveOptions& options
   return true;
 }
 
+bool ConeProgram::restate(const Problem& p, const Deadline& deadline) {
+  for (const Index i : form_ == Form::whitened ? whitened_.idle : unit_rows_.idle)
+    if (form_ != Form::joints && !p.is_tangent(i) && (p.c[i] > 0 || (p.is_equality(i) && p.c[i] != 0))) return false;
+  sparse_face_.end_by(deadline);
+  const Vector left = p.c - p.J * p.z_u;
+  const bool joints = form_ == Form::joints;
+  if (joints) joints_.shift(left);
+  free_norm_ = std::sqrt(p.z_u.dot(p.M * p.z_u));
+  double size = std::max(free_norm_, joints ? joints_.y_E().lpNorm<Eigen::Infinity>() : 0);
+  for (Row& row : row_) {
+    if (row.source < 0) continue;
+    row.h = row.of_source(left[row.source]);
+    if (joints) row.h -= row.factor * joints_.rows().dot(row.unit, joints_.y_E());
+    size = std::max(size, std::abs(row.h));
+  }
+  (void)std::frexp(size, &exponent_);
+  whitened_.exponent = exponent_;
+  const double unit = std::ldexp(1.0, -exponent_);
+  for (Row& row : row_) row.h *= unit;
+  free_norm_ *= unit;
+  if (joints) joints_.stretch(unit);
+  joint_norm_ = joints ? joints_.y_E().norm() : 0;
+  state(law_);
+  return true;
+}
+
 double ConeProgram::length(const Vector& v) {
   face().mass(v, work_);
   return std::sqrt(std::max(0.0, work_.dot(v)));
@@ -298,18 +324,31 @@ void ConeProgram::cut(Vector& y) const {
 
 void ConeProgram::divide_by_mass(Vector& f) {
   if (form_ != Form::sparse) return;
-  SparseCholesky<double>& L = unit_rows_.factor;
   short_.setZero(unit_rows_.size());
   for (Index j = 0; j < f.size(); ++j) short_[sparse_face_.column(j)] = f[j];
-  L.solve_lower(short_);
-  L.solve_upper(short_);
+  move_freely(short_);
   for (Index j = 0; j < f.size(); ++j) f[j] = short_[sparse_face_.column(j)];
+}
+
+void ConeProgram::move_freely(Vector& f) {
+  if (form_ != Form::joints) {
+    const SparseCholesky<double>& L = form_ == Form::whitened ? whitened_.factor : unit_rows_.factor;
+    L.solve_lower(f);
+    return L.solve_upper(f);
+  }
+  for (Index b = 0; b < joints_.rows().bodies(); ++b) {
+    const BodyRows::Mass& mass = joints_.rows().mass[at(b)];
+    BodyRows::Lanes x = BodyRows::Lanes::Zero();
+    x.head<6>() = f.segment<6>(6 * b);
+    f.segment<6>(6 * b) = BodyRows::times(mass.L_inverse_t, BodyRows::times(mass.L_inverse, x)).head<6>();
+  }
 }
 
 // Multipliers of the problem's rows from y; with joints, what these carry of y and of the force in rest_.
 void ConeProgram::write_multipliers(const Vector& y, int exponent, Vector& lambda) {
+  const Whitened::PowerOfTwo unit(exponent);
   for (Index r = 0; r < rows(); ++r)
-    if (const Row& row = row_[at(r)]; row.source >= 0) lambda[row.source] = std::ldexp(row.of_source(y[r]), exponent);
+    if (const Row& row = row_[at(r)]; row.source >= 0) lambda[row.source] = unit * row.of_source(y[r]);
   if (form_ != Form::joints) return;
   const BodyRows& rows = joints_.rows();
   for (Index r = 0; r < y.size(); ++r)
@@ -317,7 +356,7 @@ void ConeProgram::write_multipliers(const Vector& y, int exponent, Vector& lambd
   joints_.multipliers(rest_, mu_E_);
   for (std::size_t e = 0; e < joints_.equalities().size(); ++e) {
     const Index k = joints_.equalities()[e];
-    lambda[rows.row[at(k)]] = std::ldexp(mu_E_[static_cast<Index>(e)] / rows.row_norm[k], exponent);
+    lambda[rows.row[at(k)]] = unit * (mu_E_[static_cast<Index>(e)] / rows.row_norm[k]);
   }
 }
 
@@ -343,9 +382,10 @@ void ConeProgram::write(const Problem& p, const Vector& v, const Vector& y, Solu
     unit_rows_.move_faint(s.lambda, s.z);
     return;
   }
+  const Whitened::PowerOfTwo unit(exponent_);
   for (Index b = 0; b < joints_.rows().bodies(); ++b) {
     const BodyRows::Lanes step = BodyRows::times(joints_.rows().mass[at(b)].L_inverse_t, motion_.col(b));
-    for (Index j = 0; j < 6; ++j) s.z[6 * b + j] += std::ldexp(step[j], exponent_);
+    for (Index j = 0; j < 6; ++j) s.z[6 * b + j] += unit * step[j];
   }
 }
 

@@ -34,6 +34,8 @@ class ConeProgram {
   // Under the problem's law. Resets the solution. False where the answer is known, and then written.
   bool build(const Problem& problem, Want want, const SolveOptions& options, const Deadline& deadline,
              Solution& solution);
+  // The problem as it was built, less its z_u and c: those of this one. False where it asks what no motion changes.
+  bool restate(const Problem& problem, const Deadline& deadline);
   // The same rows under another law of cones; with the cones lifted by slips, as if each contact slid so fast.
   void state(ConeLaw law, const Vector* slips = nullptr);
   static bool can_be_dense(const Problem& problem);
@@ -93,6 +95,7 @@ class ConeProgram {
   Vector scaled_slack(const Vector& slack) const;                 // of the problem's rows
   void cut(Vector& y) const;                                      // to the cones, and to what is not negative
   void divide_by_mass(Vector& f);
+  void move_freely(Vector& f);  // the same of the problem's unknowns
   double least_motion(const Vector& v) { return std::max(free_norm_, scale(v) - free_norm_); }
   double tied() const;                        // as SparseCholesky's, over the smallest pivot of joints
   int exponent() const { return exponent_; }  // lengths are in units of 2^exponent

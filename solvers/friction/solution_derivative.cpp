@@ -1,33 +1,57 @@
 #include <zwang/solvers/friction/solution_derivative.h>
 
+#include <atomic>
 #include <cmath>
 #include <stdexcept>
 #include <utility>
 
 namespace zwang {
+namespace {
 
-SolutionDerivative::SolutionDerivative(const Problem& p, const Vector& z, const Vector& lambda)
-    : change_{.M = p.M, .law = p.law} {
+long next_number() {
+  static std::atomic<long> last = 0;
+  return ++last;
+}
+
+struct Workspace {  // fresh, all of a derivative takes twice the time
+  ConeProgram program;
+  ModeEquations equations;
+  Solution answer;
+  Vector push, v, y, s;
+  long owner = 0;          // whose rows and factor these are
+  bool is_whole, is_back;  // the factor: of all its rows, of the transposed equations
+};
+
+}  // namespace
+
+SolutionDerivative::SolutionDerivative(const Problem& p, const Values& z, const Values& lambda)
+    : change_{.M = p.M, .law = p.law}, number_(next_number()) {
   if (z.size() != p.size() || lambda.size() != p.rows())
     throw std::invalid_argument("modes are read off z and lambda of a solution");
-  const Vector mass = p.M.diagonal(), light = mass.cwiseInverse(), slack = p.J * z - p.c,
-               left = p.M * (z - p.z_u) - p.J.transpose() * lambda;
-  const auto moves = [&](Index row) {  // a motion of unit length
-    double sum = 0;
-    for (RowMatrix::InnerIterator it(p.J, row); it; ++it) sum += it.value() * it.value() * light[it.col()];
-    return sum > 0 ? std::sqrt(sum) : 1;
-  };
+  const Vector mass = p.M.diagonal(), light = mass.cwiseInverse();
+  Vector slack(p.rows()), unit(p.rows()), left = p.M * (z - p.z_u);  // a motion of length 1 moves a row by a `unit`
+  for (Index i = 0; i < p.rows(); ++i) {
+    double own = -p.c[i], squares = 0;
+    for (RowMatrix::InnerIterator it(p.J, i); it; ++it) {
+      own += it.value() * z[it.col()];
+      squares += it.value() * it.value() * light[it.col()];
+    }
+    slack[i] = own;
+    unit[i] = squares > 0 ? std::sqrt(squares) : 1;
+    if (lambda[i] != 0)
+      for (RowMatrix::InnerIterator it(p.J, i); it; ++it) left[it.col()] -= it.value() * lambda[i];
+  }
   const auto length = [&](const Vector& v) { return std::sqrt(v.cwiseAbs2().dot(mass)); };
   motion = std::max(length(z), length(p.z_u));
-  off = length(left.cwiseQuotient(mass));
+  off = length(left.cwiseProduct(light));
   by_mu.setZero(p.rows());
   std::vector<Index> held;
   const double zero = tolerances::derivative_tie * motion, opening = ConeLaw::of(p.law).opening();
   for (Index i = 0, tangents = 0; i < p.rows(); i += 1 + tangents) {
     tangents = p.has_tangents() ? p.tangents(i) : 0;
     const double mu = tangents > 0 ? p.mu[i] : 0, slip = slack.segment(i + 1, tangents).norm();
-    const double unit = moves(i), across = mu > 0 ? moves(i + 1) : 1;
-    const double push = lambda[i] * unit, gap = (slack[i] - opening * mu * slip) / unit, slides = slip / across;
+    const double across = mu > 0 ? unit[i + 1] : 1;
+    const double push = lambda[i] * unit[i], gap = (slack[i] - opening * mu * slip) / unit[i], slides = slip / across;
     const double spare = mu > 0 ? (mu * lambda[i] - lambda.segment(i + 1, tangents).norm()) * across : infinity;
     const bool holds = p.is_equality(i) || push > zero;
     off = std::max(off, p.is_equality(i) ? std::abs(gap) : std::max({-push, -gap, std::min(push, gap), -spare}));
@@ -37,7 +61,10 @@ SolutionDerivative::SolutionDerivative(const Problem& p, const Vector& z, const 
       ties.push_back(i);
       continue;
     }
-    for (Index r = i; r <= i + (mu > 0 ? tangents : 0); ++r) held.push_back(r);
+    for (Index r = i; r <= i + (mu > 0 ? tangents : 0); ++r) {
+      held.push_back(r);
+      owner_.push_back(i);
+    }
     if (mu == 0) continue;
     mode_.push_back(slides > zero ? Mode::slide : Mode::stick);
     if (mode_.back() == Mode::stick) continue;
@@ -45,61 +72,144 @@ SolutionDerivative::SolutionDerivative(const Problem& p, const Vector& z, const 
     by_mu.segment(i + 1, tangents) = -lambda[i] / slip * slack.segment(i + 1, tangents);
   }
   held.insert(held.end(), ties.begin(), ties.end());
+  owner_.insert(owner_.end(), ties.begin(), ties.end());
   rows = Eigen::Map<const VectorX<Index>>(held.data(), std::ssize(held));
-  change_.J.resize(rows.size(), p.size());
-  change_.J.reserve(p.J.nonZeros());
-  for (const Index i : held) {
-    const Index k = std::ssize(change_.kind);
-    change_.J.startVec(k);
-    for (RowMatrix::InnerIterator it(p.J, i); it; ++it) change_.J.insertBack(k, it.col()) = it.value();
+  RowMatrix& J = change_.J;
+  J.resize(rows.size(), p.size());
+  J.resizeNonZeros(p.J.nonZeros());
+  int* end = J.outerIndexPtr();
+  for (const Index i : held) {  // entry by entry, Eigen takes a third of a derivative's time
+    const Index from = p.J.outerIndexPtr()[i], count = p.J.innerVector(i).nonZeros();
+    std::copy_n(p.J.innerIndexPtr() + from, count, J.innerIndexPtr() + *end);
+    std::copy_n(p.J.valuePtr() + from, count, J.valuePtr() + *end);
+    end[1] = *end + static_cast<int>(count);
+    ++end;
     change_.kind.push_back(p.kind[at(i)]);
   }
-  change_.J.finalize();
+  J.resizeNonZeros(*end);
   change_.key.resize(held.size());
   if (!mode_.empty()) change_.mu = p.mu(held);
   lambda_ = lambda(held);
   slack_ = slack(held);
+  by_mu_ = by_mu(held);
 }
 
-SolutionDerivative::Change SolutionDerivative::solve(const Vector& dz_u, const Vector& force, const Vector& moved,
-                                                     bool back) {
-  change_.z_u = dz_u;
-  change_.c = -moved;
-  require_matching_sizes(change_);
-  if (force.size() != change_.size()) throw std::invalid_argument("force should have one entry an unknown");
-  const double size = dz_u.lpNorm<1>() + force.lpNorm<1>() + moved.lpNorm<1>();
+SolutionDerivative::Change SolutionDerivative::along(const Values& dz_u, const Values& force, const Values& moved,
+                                                     const Values& dmu) {
+  const Index n = change_.M.cols(), m = by_mu.size();
+  const auto whole = [](const Values& v, Index size, const char* name) -> Vector {
+    if (v.size() != 0 && v.size() != size) throw std::invalid_argument(std::string(name) + " has another size");
+    if (v.size() == 0) return Vector::Zero(size);
+    return v;
+  };
+  Sides sides{whole(dz_u, n, "dz_u"), whole(force, n, "force"), whole(moved, m, "moved")(rows)};
+  Vector turned = Vector::Zero(rows.size());  // forces of what slides
+  if (dmu.size() > 0) {
+    turned = by_mu_.cwiseProduct(whole(dmu, m, "dmu")(owner_));
+    for (Index k = 0; k < rows.size(); ++k)
+      if (!change_.is_tangent(k)) sides.moved[k] += std::exchange(turned[k], 0);
+    sides.force += change_.J.transpose() * turned;
+  }
+  Change change = solve(sides, false);
+  change.lambda(rows) += turned;
+  return change;
+}
+
+SolutionDerivative::Bars SolutionDerivative::back(const Values& z_bar, const Values& lambda_bar) {
+  const Index n = change_.M.cols(), m = by_mu.size();
+  if (z_bar.size() != n || (lambda_bar.size() != 0 && lambda_bar.size() != m))
+    throw std::invalid_argument("z_bar and lambda_bar should have one entry an unknown and a row");
+  Sides sides{Vector::Zero(n), z_bar, Vector::Zero(rows.size())};
+  if (lambda_bar.size() > 0) sides.moved = lambda_bar(rows);
+  Bars bars{solve(sides, true), {}, Vector::Zero(m)};
+  bars.z_u = change_.M * bars.change.z;
+  if (!slides()) return bars;
+  const Vector moved = change_.J * bars.change.z + sides.moved;
+  for (Index k = 0; k < rows.size(); ++k)
+    bars.mu[owner_[at(k)]] += by_mu_[k] * (change_.is_tangent(k) ? moved[k] : bars.change.lambda[rows[k]]);
+  return bars;
+}
+
+SolutionDerivative::Change SolutionDerivative::solve(const Sides& sides, bool back) {
+  Change change = once(sides, back);
+  if (change.is_small && ties.empty()) {
+    const Change more = once(left(sides, change, back), back);
+    change.z += more.z;
+    change.lambda += more.lambda;
+  }
+  Vector own = Vector::Zero(by_mu.size());
+  own(rows) = change.lambda;
+  change.lambda.swap(own);
+  return change;
+}
+
+// What a change leaves of the sides, in long doubles: of what slides the plane's part, in its normal row.
+SolutionDerivative::Sides SolutionDerivative::left(const Sides& sides, const Change& change, bool back) const {
+  using Wide = VectorX<long double>;
+  const Wide z = change.z.cast<long double>(), own = change.lambda.cast<long double>();
+  Wide force =
+      sides.force.cast<long double>() + change_.M.cast<long double>() * (sides.z_u.cast<long double>() - z).eval();
+  for (Index k = 0; k < rows.size(); ++k)
+    for (RowMatrix::InnerIterator it(change_.J, k); it; ++it) force[it.col()] += it.value() * own[k];
+  Wide missed = change_.J.cast<long double>() * z + sides.moved.cast<long double>();
+  const double opening = back ? 1 : ConeLaw::of(change_.law).opening();
+  for (Index k = 0, contact = 0; k < rows.size(); ++k) {
+    if (!rubs(k) || mode_[at(contact++)] != Mode::slide) continue;
+    const Index tangents = change_.tangents(k);
+    const auto along = by_mu_.segment(k + 1, tangents).cast<long double>();
+    auto slip = missed.segment(k + 1, tangents);
+    missed[k] += opening * change_.mu[k] * along.dot(slip) / along.norm();
+    slip.setZero();
+  }
+  return {Vector::Zero(z.size()), force.cast<double>(), missed.cast<double>()};
+}
+
+SolutionDerivative::Change SolutionDerivative::once(const Sides& sides, bool back) {
+  thread_local Workspace work;
+  ConeProgram& program = work.program;
+  ModeEquations& equations = work.equations;
+  const double size = sides.z_u.lpNorm<1>() + sides.force.lpNorm<1>() + sides.moved.lpNorm<1>();
   if (size != 0 && !(size < tolerances::derivative_length && 1 / size < tolerances::derivative_length))
     throw std::invalid_argument("the squares of the direction's entries are beyond doubles");
-  thread_local SparseCholesky<double> mass;  // fresh, all of these take twice the time
-  if (!force.isZero(0)) {
-    if (!mass.factorize(change_.M)) throw std::invalid_argument("M is not positive definite");
-    Vector by_force = force;
-    mass.solve_lower(by_force);
-    mass.solve_upper(by_force);
-    change_.z_u += by_force;
-  }
-  thread_local ConeProgram program;
-  thread_local ModeEquations equations;
-  thread_local Solution answer;
   constexpr double most_seconds = 60;
-  const bool built = program.build(change_, ConeProgram::Want::any, {}, Deadline(most_seconds), answer);
-  if (!built || program.cones() != std::ssize(mode_)) throw std::invalid_argument("a row without entries pushes");
-  Vector push = Vector::Zero(program.rows()), slack = program.scaled_slack(slack_), v, y, s;
-  program.scale_multipliers(lambda_, push);
-  equations.begin(program);
-  equations.mode = mode_;
-  equations.active.assign(equations.active.size(), 1);
-  if (program.law().lifts() && equations.slides() && !program.is_dense()) program.couple();
+  const Deadline deadline(most_seconds);
+  if (std::exchange(work.owner, 0) != number_) {
+    change_.z_u.setZero(change_.M.cols());
+    change_.c.setZero(rows.size());
+    const bool built = program.build(change_, ConeProgram::Want::any, {}, deadline, work.answer);
+    if (!built && work.answer.status == Status::bad_input) throw std::invalid_argument(work.answer.message.c_str());
+    if (!built || program.cones() != std::ssize(mode_)) throw std::invalid_argument("a row without entries pushes");
+    equations.begin(program);
+    equations.mode = mode_;
+    if (program.law().lifts() && equations.slides() && !program.is_dense()) program.couple();
+    work.is_whole = false;
+  }
+  int unit = 0;
+  (void)std::frexp(size, &unit);
+  const double down = std::ldexp(1.0, -unit);
+  change_.z_u = down * sides.force;
+  program.move_freely(change_.z_u);
+  change_.z_u += down * sides.z_u;
+  change_.c = -down * sides.moved;
+  if (!program.restate(change_, deadline)) throw std::invalid_argument("a row without entries pushes");
+  Vector &v = work.v, &y = work.y, &s = work.s;
+  bool is_settled = false, has_factor = work.is_whole && (work.is_back == back || !program.law().lifts());
   constexpr int most_rounds = 8;
-  bool is_settled = false;
   for (int round = 0; !is_settled && round < most_rounds; ++round) {
-    if (!equations.begin_change(program, push, slack, back))
-      throw std::invalid_argument("the modes' equations break down");
-    v.setZero(program.face().unknowns());
+    work.is_whole = round == 0;
+    if (work.is_whole && !has_factor) equations.active.assign(equations.active.size(), 1);
+    if (!std::exchange(has_factor, false)) {
+      work.push.setZero(program.rows());
+      program.scale_multipliers(lambda_, work.push);
+      if (!equations.begin_change(program, work.push, program.scaled_slack(slack_), back))
+        throw std::invalid_argument("the modes' equations break down");
+      work.is_back = back;
+    }
     if (!is_unique_) {
       const bool too_many = mode_.empty() && rows.size() > change_.size();
       is_unique_ = rows.size() == 0 || (!too_many && equations.least_share(program) > 0);
     }
+    v.setZero(program.face().unknowns());
     y.setZero(program.rows());
     s = -program.h();
     double last = infinity, length = infinity;
@@ -122,9 +232,12 @@ SolutionDerivative::Change SolutionDerivative::solve(const Vector& dz_u, const V
   }
   if (is_settled && !(equations.missed(program, s) <= tolerances::derivative_meets * program.scale(v)))
     throw std::invalid_argument("rows that push do not hold together");
-  program.write(change_, v, y, answer);
-  const double way = std::ldexp(program.length(v), program.exponent()), rest = answer.z.dot(change_.M * answer.z);
-  return {answer.z, answer.lambda, *is_unique_, is_settled, way * way > tolerances::derivative_undone * rest};
+  program.write(change_, v, y, work.answer);
+  const Vector& z = work.answer.z;
+  const double way = std::ldexp(program.length(v), program.exponent()), rest = z.dot(change_.M * z);
+  work.owner = number_;
+  const double up = std::ldexp(1.0, unit);
+  return {up * z, up * work.answer.lambda, *is_unique_, is_settled, way * way > tolerances::derivative_undone * rest};
 }
 
 }  // namespace zwang

@@ -1,10 +1,10 @@
 #pragma once
 
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include <zwang/solvers/friction/mode_equations.h>
-#include <zwang/solvers/linalg/sparse_cholesky.h>
 
 namespace zwang {
 
@@ -14,32 +14,56 @@ namespace zwang {
 //   M dz = M dz_u + force + J'dlambda of the rows that push,  J dz + moved = 0 of them,
 //
 // of what slides the plane of its ray, while its force turns with the slip (ModeEquations).
+//
+// The rows' form and the factor stay with the thread until another derivative is asked for: further directions are new
+// right sides. Kept by each derivative, thousands of them would fill the memory.
 class SolutionDerivative {
  public:
+  using Values = Eigen::Ref<const Vector>;  // Python's numbers where they lie
   double off = 0, motion = 0;  // by how much z and lambda miss an answer; both with the diagonal of M for M
   VectorX<Index> rows;         // that push, those of a contact together, and the ties
   std::vector<Index> ties;     // those that neither push nor open
   Vector by_mu;                // of a contact that slides: how its gap and its forces follow its mu
 
   // z: n; lambda: m. Throws std::invalid_argument for other sizes.
-  SolutionDerivative(const Problem& problem, const Vector& z, const Vector& lambda);
+  SolutionDerivative(const Problem& problem, const Values& z, const Values& lambda);
+  bool slides() const { return std::ranges::find(mode_, Mode::slide) != mode_.end(); }
 
   struct Change {
-    Vector z, lambda;  // n; of `rows`
+    Vector z, lambda;  // n, m
     bool is_unique;    // lambda, by an estimate
     bool is_settled;   // else ties went on changing, and z is none
-    bool is_small;     // z is what much larger motions leave, and wants a refinement
+    bool is_small;     // z is what much larger motions left: refined once, but not at ties
   };
-  // dz_u: n, force: n, moved: of `rows`. Of the ties all push at first; those that pull then open, those that are
-  // violated push, until none does. `back`: of the transposed equations. Throws std::invalid_argument, one line, where
-  // the rows that push do not hold together.
-  Change solve(const Vector& dz_u, const Vector& force, const Vector& moved, bool back = false);
+  // dz_u: n; force: n; moved: m, dJ z - dc; dmu: m; each empty for 0. Of the ties all push at first; those that pull
+  // then open, those that are violated push, until none does. Throws std::invalid_argument, one line, where the rows
+  // that push do not hold together.
+  Change along(const Values& dz_u, const Values& force, const Values& moved, const Values& dmu);
+
+  // Of a number whose derivatives by z and lambda are z_bar (n) and lambda_bar (m, or empty for 0): those by z_u and
+  // mu, and of the transposed equations the `change`, -lambda of which is that by c.
+  struct Bars {
+    Change change;
+    Vector z_u, mu;
+  };
+  Bars back(const Values& z_bar, const Values& lambda_bar);
 
  private:
   using Mode = ModeEquations::Mode;
+  // Of `rows`, not of all.
+  struct Sides {
+    Vector z_u, force, moved;
+  };
+  Change solve(const Sides& sides, bool back);
+  Change once(const Sides& sides, bool back);
+  Sides left(const Sides& sides, const Change& change, bool back) const;
+  bool rubs(Index k) const { return change_.has_tangents() && change_.mu[k] > 0 && change_.tangents(k) > 0; }
+
   Problem change_;  // whose answer is the change: the rows that push, and the ties
   std::vector<Mode> mode_;
-  Vector lambda_, slack_;  // of its rows
+  Vector lambda_, slack_, by_mu_;  // of its rows
+  std::vector<Index> owner_;       // of its rows the contact's first, all of the problem
+  long number_;                    // no other has it
   std::optional<bool> is_unique_;
 };
 

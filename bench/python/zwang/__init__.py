@@ -11,6 +11,8 @@ Distances are taken in the M-norm, |d| = sqrt(d' M d), relative to s = max(|z_u|
     >>> print(zwang.judge(problem, answer.z))        # doctest: +ELLIPSIS
     solved: |z - z*| is at least 0 and at most ...
 """
+import functools
+import importlib
 import json
 import pathlib
 import tempfile
@@ -25,6 +27,12 @@ from .packs import judge_pack, write_answers
 __all__ = ["BadFile", "Judgement", "Problem", "Solution", "__version__", "add_solver", "bench", "compare_gradients",
            "gradient", "gradient_of", "judge", "judge_gradient", "judge_pack", "judge_qp", "load", "save", "scene",
            "scene_change", "scene_gradient", "scenes", "solve", "solvers", "write_answers"]
+
+
+@functools.cache
+def _part(name):
+    """A module of the package, loaded when it is first asked for: an import within a function takes its time in every call."""
+    return importlib.import_module("." + name, __name__)
 
 
 def _numbers(value, name, size=None):
@@ -250,8 +258,7 @@ def gradient_of(problem, solution, *, law=None, proof=True):
     tie than that is named as a kink. The derivative is one factorization, or a few at a kink, without enclosure and reach, and refused where only the
     proof tells: at a kink of friction, and where forces are not unique and J, c or mu change, or contacts slide.
     """
-    from . import gradients
-    return gradients.gradient_of(problem, solution, law, proof)
+    return _part("gradients").gradient_of(problem, solution, law, proof)
 
 
 def gradient(problem, solution, wrt, direction=None, *, law=None, proof=True):
@@ -262,7 +269,7 @@ def gradient(problem, solution, wrt, direction=None, *, law=None, proof=True):
     (`one_sided`); dz is None where there is no one number. Where forces are not unique dlambda is None, and `note` says so.
     proof=False: without the proof and the enclosure, in about the time of a solve (gradient_of).
     """
-    from . import gradients
+    gradients = _part("gradients")
     return gradients.gradient_of(problem, solution, law, proof).jvp(**gradients.parameters(wrt, direction))
 
 

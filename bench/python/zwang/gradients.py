@@ -9,6 +9,7 @@ import math
 import numpy
 import scipy.sparse
 
+from . import _part
 from .complementarity import Complementarity
 from .enclosure import EPSILON, UP, Regular, Rows, Unproven
 from .modes import HELD, OPEN, Branch, Parts, Settled, length
@@ -85,10 +86,7 @@ class Change:
         self.dz_u, self.dc, self.dmu = vector(dz_u, "dz_u", p.n), vector(dc, "dc", p.m), vector(dmu, "dmu", p.m)
         if self.dM.nnz and abs(self.dM - self.dM.T).max() != 0:
             raise ValueError("dM is not symmetric")
-        reading = [c.row for c in p.contacts if c.tangents]
-        for i in numpy.flatnonzero(self.dmu):
-            if i not in reading:
-                raise ValueError(f"dmu({i}) should be 0: no contact with friction reads mu({i})")
+        read(p.problem, self.dmu)
 
 
 class Gradient:
@@ -652,6 +650,15 @@ def finite(value, name, size):
     return v
 
 
+def read(problem, dmu):
+    """A change of mu, where contacts with friction read it."""
+    tangent, mu = numpy.append(problem.tangent, False), problem.mu
+    wrong = numpy.flatnonzero((dmu != 0) & ((mu <= 0) | tangent[:-1] | ~tangent[1:] | (problem.c == -math.inf)))
+    if len(wrong):
+        raise ValueError(f"dmu({wrong[0]}) should be 0: no contact with friction reads mu({wrong[0]})")
+    return dmu
+
+
 class Laid:
     """The problem under a simpler law: how changes of the given rows change those of the law (core/problem/law.h)."""
 
@@ -732,8 +739,7 @@ def gradient_of(problem, solution, law, proof=True):
     laid = Laid(problem, law) if law is not None and problem.tangent.any() else None
     problem = laid.problem if laid else problem
     if not proof:
-        from .quick_gradients import QuickGradient
-        return QuickGradient(problem, solution, laid)
+        return _part("quick_gradients").QuickGradient(problem, solution, laid)
     from . import solve
     z, force = answer(problem, solution)
     why = None

@@ -732,6 +732,21 @@ class WithoutProof(unittest.TestCase):
                 with self.assertRaisesRegex(ValueError, "wrt should be names among M, z_u, J, c, mu"):
                     g.vjp(z_bar, wrt=wrong)
 
+    def test_directions_in_turn_are_those_of_each_gradient_alone(self):
+        """A thread keeps the factor of the gradient that it asked last, and which way that was."""
+        def ask(g):
+            d = numpy.arange(1.0, g.problem.size + 1)
+            return g.jvp(dz_u=d).dz, g.kink or g.vjp(d, wrt="z_u")["z_u"], g.jvp(dz_u=-d).dz
+
+        problems = [zwang.scene(name) for name in ("hand(contacts=4)", "hand(contacts=16,mu=0.5)", "tower(boxes=3)", "wall(boxes=50,mu=0.5)")]
+        solutions = [zwang.solve(p, tolerance=1e-12) for p in problems]
+        alone = [ask(zwang.gradient_of(p, s, proof=False)) for p, s in zip(problems, solutions)]
+        kept = [zwang.gradient_of(p, s, proof=False) for p, s in zip(problems, solutions)]
+        for _ in range(2):
+            for g, expected in zip(kept, alone):
+                for got, same in zip(ask(g), expected):
+                    numpy.testing.assert_array_equal(got, same)
+
     def test_what_only_a_proof_tells_is_refused(self):
         box = zwang.scene("tower(boxes=1)")
         g = zwang.gradient_of(box, zwang.solve(box), proof=False)

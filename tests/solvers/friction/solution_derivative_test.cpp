@@ -8,6 +8,7 @@ namespace zwang {
 namespace {
 
 const SolveOptions tight{.tolerance = 1e-13};
+const Vector none;
 
 Vector random_vector(Index size, unsigned seed) {
   std::srand(seed);
@@ -35,7 +36,7 @@ TEST_P(Smooth, DerivativesAreThoseOfDifferences) {
   for (Index i = 0; i < p.rows(); ++i) dc[i] *= p.is_equality(i) ? 0 : of.motion;
   const Vector dz_u = of.motion * random_vector(p.size(), 1), force = of.motion * random_vector(p.size(), 3);
   const Vector by_force = Eigen::MatrixXd(p.M).llt().solve(force);
-  const SolutionDerivative::Change change = of.solve(dz_u, force, -dc(of.rows));
+  const SolutionDerivative::Change change = of.along(dz_u, force, -dc, none);
   EXPECT_TRUE(change.is_settled);
   constexpr double h = 1e-8;
   const auto moved = [&](double by) {
@@ -54,10 +55,9 @@ TEST_P(Smooth, TheWayBackIsTheTransposed) {
   const Problem p = under(law, make_scenes(scene).at(0).problem);
   const Solution at = make_solver(solver).solve(p, tight);
   SolutionDerivative of(p, at.z, at.lambda);
-  const Vector dz_u = random_vector(p.size(), 4), g = random_vector(p.size(), 5), none = Vector::Zero(p.size());
-  const Vector dz = of.solve(dz_u, none, Vector::Zero(of.rows.size())).z;
-  const Vector back = of.solve(none, g, Vector::Zero(of.rows.size()), true).z;
-  EXPECT_NEAR(g.dot(dz), dz_u.dot(p.M * back), 1e-10 * g.norm() * dz.norm());
+  const Vector dz_u = random_vector(p.size(), 4), g = random_vector(p.size(), 5);
+  const Vector dz = of.along(dz_u, none, none, none).z;
+  EXPECT_NEAR(g.dot(dz), dz_u.dot(of.back(g, none).z_u), 1e-10 * g.norm() * dz.norm());
 }
 
 INSTANTIATE_TEST_SUITE_P(Scenes, Smooth,
@@ -81,9 +81,8 @@ TEST(SolutionDerivativeAtATie, TheRowOpensOrHolds) {
   const Problem p = corner();
   SolutionDerivative of(p, Vector::Zero(2), Vector::Unit(2, 0));
   ASSERT_EQ(of.ties, std::vector<Index>{1});
-  const Vector none = Vector::Zero(2);
   for (const double way : {2.0, -2.0}) {
-    const SolutionDerivative::Change change = of.solve(Vector::Unit(2, 0) + way * Vector::Unit(2, 1), none, none);
+    const SolutionDerivative::Change change = of.along(Vector::Unit(2, 0) + way * Vector::Unit(2, 1), none, none, none);
     EXPECT_TRUE(change.is_settled);
     EXPECT_NEAR(change.z[0], 0, 1e-15);
     EXPECT_NEAR(change.z[1], std::max(0.0, way), 1e-15);
@@ -103,11 +102,14 @@ TEST(SolutionDerivativeOfBadInput, IsRefusedInOneLine) {
     }
     return std::string();
   };
-  for (const std::string& line : {refused([&] { SolutionDerivative(p, of_size(3), of_size(2)); }),
-                                  refused([&] { SolutionDerivative(p, of_size(2), of_size(1)); }),
-                                  refused([&] { of.solve(of_size(1), of_size(2), of_size(2)); }),
-                                  refused([&] { of.solve(of_size(2), of_size(3), of_size(2)); }),
-                                  refused([&] { of.solve(of_size(2), of_size(2), of_size(5)); })}) {
+  for (const std::string& line :
+       {refused([&] { SolutionDerivative(p, of_size(3), of_size(2)); }),
+        refused([&] { SolutionDerivative(p, of_size(2), of_size(1)); }),
+        refused([&] { of.along(of_size(1), none, none, none); }),
+        refused([&] { of.along(none, of_size(3), none, none); }),
+        refused([&] { of.along(none, none, of_size(5), none); }),
+        refused([&] { of.along(none, none, none, of_size(1)); }), refused([&] { of.back(of_size(3), none); }),
+        refused([&] { of.back(of_size(2), of_size(3)); })}) {
     EXPECT_FALSE(line.empty());
     EXPECT_EQ(line.find('\n'), std::string::npos) << line;
   }
@@ -117,7 +119,7 @@ TEST(SolutionDerivativeOfABox, SaysThatForcesAreNotUnique) {
   const Problem p = make_scenes("tower(boxes=1)").at(0).problem;
   const Solution at = make_solver("dual_active_set").solve(p, tight);
   SolutionDerivative of(p, at.z, at.lambda);
-  EXPECT_FALSE(of.solve(Vector::Ones(p.size()), Vector::Zero(p.size()), Vector::Zero(of.rows.size())).is_unique);
+  EXPECT_FALSE(of.along(Vector::Ones(p.size()), none, none, none).is_unique);
 }
 
 }  // namespace
