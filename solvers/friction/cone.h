@@ -16,7 +16,7 @@ namespace zwang {
 // first steps is blocked), then Newton's method on the modes to the last digits (mode_newton.h). Hands are solved in
 // the few freedoms that their joints leave, walls by the sparse Cholesky factor of 6 x 6 blocks; islands apart, and
 // together where one fails (fallback). A warm start goes to the modes at once, and to the interior point where they do
-// not settle.
+// not settle: under Coulomb's law to its path, where they came near.
 //
 // The sparse Cholesky factor is symmetric, so the interior point there only refreshes the shift of Coulomb's law, which
 // contacts that slide can stall. It then starts again on dense rows (up to 1000 unknowns) or with sparse LU, where the

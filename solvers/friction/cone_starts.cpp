@@ -17,9 +17,9 @@ constexpr int most_quick = 45;
 constexpr int most_behind_modes = 5;
 constexpr Index most_unknowns = 20'000;  // of sparse LU: of more a factor may take many seconds
 constexpr int most_modes = 8;            // Newton steps from an iterate inside the cones
-// And from an earlier answer: under Coulomb's law, where the interior point is soon done, too, a few, and more where
-// they have almost arrived. (32 at once are lost on the multipliers of a frame whose contacts were others; 10 alone end
-// two frames of a hand in ten just before the answer.)
+// And from an earlier answer: under Coulomb's law, where the interior point is soon done, too, a few, and more while
+// they arrive. (32 at once are lost on the multipliers of a frame whose contacts were others; 10 alone end two frames
+// of a hand in ten just before the answer; more from the best of them repeat what led away from it.)
 constexpr int most_warm = 32, few_warm = 10, more_warm = 6;
 // Convex problems where no start led to an answer; from when on the slips go half of the way, for some go to and fro.
 constexpr int most_rounds = 40, whole_rounds = 24;
@@ -54,11 +54,11 @@ ConeStarts::End ConeStarts::from_rest(const Job& job, double) {
   return modes_.residual.natural <= tolerances::cone_exact * program_.scale(modes_.v) ? End::accepted : End::failed;
 }
 
-void ConeStarts::run_modes(const Job& job, int most) {
+void ConeStarts::run_modes(const Job& job, int most, int more) {
   const double size = program_.scale(modes_.v);
-  modes_.run(program_, tolerances::cone_exact * size, job.options.tolerance * size,
-             std::min(most, job.options.max_iterations - job.solution.iterations), job.deadline,
-             job.solution.iterations);
+  const int left = job.options.max_iterations - job.solution.iterations;
+  modes_.run(program_, tolerances::cone_exact * size, job.options.tolerance * size, std::min(most, left),
+             std::min(most + more, left), job.deadline, job.solution.iterations);
 }
 
 ConeStarts::End ConeStarts::from_warm(const Job& job, double) {
@@ -68,11 +68,10 @@ ConeStarts::End ConeStarts::from_warm(const Job& job, double) {
   program_.face().force(modes_.y, modes_.v);
   modes_.begin(program_, modes_.v, modes_.y);
   if (modes_.residual.natural > tolerances::cone_other_frame * program_.scale(modes_.v)) return End::failed;
-  const bool lifts = program_.law().lifts();
-  run_modes(job, lifts ? few_warm : most_warm);
-  const double left = modes_.residual.natural / program_.scale(modes_.v);
-  if (lifts && !modes_.settled && left > tolerances::cone_exact && left <= tolerances::cone_arrives)
-    run_modes(job, more_warm);
+  if (program_.law().lifts())
+    run_modes(job, few_warm, more_warm);
+  else
+    run_modes(job, most_warm);
   return takes(job, modes_.residual, modes_.v, modes_.y, modes_.settled) ? End::accepted : End::failed;
 }
 
@@ -83,7 +82,8 @@ ConeStarts::End ConeStarts::from_start(const Job& job, double start) {
 }
 
 ConeStarts::End ConeStarts::from_few_steps(const Job& job, double start) {
-  if (!program_.couples()) return End::failed;
+  const bool arrived = job.best.natural <= tolerances::cone_arrives * program_.scale(job.best.v);
+  if (!program_.couples() || (arrived && job.solution.iterations > 0)) return End::failed;
   begun_ = job.solution.iterations;
   return from_inside(job, start, Way::quick);
 }

@@ -58,7 +58,9 @@ class ConeStarts {
   End from_rest(const Job& job, double);  // z_u, where it meets the rows to rounding
   End from_warm(const Job& job, double);
   End from_start(const Job& job, double start);
-  End from_few_steps(const Job& job, double start);  // Coulomb's law, where few steps of the interior point are enough
+  // Coulomb's law, where few steps of the interior point are enough. (Where Newton's method on the modes came near from
+  // an earlier answer and did not settle, contacts depend on each other, and they seldom are.)
+  End from_few_steps(const Job& job, double start);
   // Along the central path of Coulomb's law, as far as it leads; from_start() of size first_start then goes on from its
   // end. Behind another path where that ended at a fold, of dense rows: the one from another size may have none.
   End from_path(const Job& job, double start);
@@ -74,7 +76,7 @@ class ConeStarts {
 
  private:
   bool end_is_near(const Job& job, double& near);
-  void run_modes(const Job& job, int most);
+  void run_modes(const Job& job, int most, int more = 0);
   bool modes_stay(const SolveOptions& options);
   bool is_near(const Best& best);
   bool all_but_rests(const Best& best);

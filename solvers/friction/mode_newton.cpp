@@ -103,7 +103,7 @@ void ModeNewton::shift(ConeProgram& program) {
   program.slack(v, s);
 }
 
-void ModeNewton::run(ConeProgram& program, double goal, double leaves, int most, const Deadline& deadline,
+void ModeNewton::run(ConeProgram& program, double goal, double leaves, int most, int last, const Deadline& deadline,
                      int& iterations) {
   constexpr int patience = 12;    // steps for which the residual need not halve
   constexpr double thrown = 200;  // times the best residual: modes that were told by an iterate have been left
@@ -114,7 +114,8 @@ void ModeNewton::run(ConeProgram& program, double goal, double leaves, int most,
   settled = false;
   double halved = best;
   int since = 0;
-  for (int taken = 0; taken < most && !(best <= goal) && !deadline.passed(); ++taken) {
+  bool stays = true;  // while it falls, the last digits are still to come
+  for (int taken = 0; taken < (stays ? most : last) && !(best <= goal) && !deadline.passed(); ++taken) {
     const double before = last_;
     const bool begins = chosen_ || taken == 0;
     y_before_ = y;
@@ -122,7 +123,7 @@ void ModeNewton::run(ConeProgram& program, double goal, double leaves, int most,
     ++iterations;
     const bool same = !begins && !changed_;
     const double moved = equations_.dv.norm(), nothing = tolerances::cone_exact * program.scale(v);
-    const bool stays = last_ > 0.5 * before;  // while it falls, the last digits are still to come
+    stays = last_ > 0.5 * before;
     settled = same && stays && last_ <= leaves && moved <= nothing;
     if (last_ < best || settled)
       best_ = *this;

@@ -32,8 +32,10 @@ class ModeNewton : public ModeIterate {
   void begin(ConeProgram& program, const InteriorPoint& from);
   void begin(ConeProgram& program, const Vector& from_v, const Vector& from_y);
   // Until the natural residual is at `goal`, or settled with a residual of at most `leaves`, or the residual
-  // does not fall any more; keeps the best iterate. Counts its steps.
-  void run(ConeProgram& program, double goal, double leaves, int most, const Deadline& deadline, int& iterations);
+  // does not fall any more; at most so many steps, and on to `last` while each halves the residual. Keeps the best
+  // iterate, counts its steps.
+  void run(ConeProgram& program, double goal, double leaves, int most, int last, const Deadline& deadline,
+           int& iterations);
   // One of its steps; false on a breakdown.
   bool step(ConeProgram& program);
   ModeEquations& equations() { return equations_; }

@@ -181,7 +181,7 @@ inline constexpr double coupled_pivot = 1e-3;
 inline constexpr double cone_far = 0x1p10;
 // A natural residual at which the modes hold to rounding; and one from which Newton's method will not come back.
 inline constexpr double cone_exact = 1e-13, cone_hopeless = 1e-3;
-// And one, of the motion, from which on a few more steps are well spent on an earlier answer.
+// And one, of the motion, that Newton's method on the modes of an earlier answer comes to where only a claim is missing.
 inline constexpr double cone_arrives = 1e-6;
 
 // A promise (solvers/friction/promise.h), lengths relative to the motion. The proximal term at which active rows are

@@ -158,7 +158,17 @@ TEST(ContactFilesSlow, ConeSolvesAllWithTheirFriction) {
 // LIST.tsv has a file and its class in each line.
 struct HardClass {
   int problems = 0, solved = 0, soon = 0;  // soon: ended within 60 iterations
+  int warm = 0;                            // solved so soon from the multipliers of the frame before
 };
+
+// FILE.warm beside FILE.h5: a multiplier a row.
+WarmStart frame_before(std::filesystem::path file, const Problem& p) {
+  WarmStart warm{p.key, Vector(p.rows())};
+  std::ifstream in(file.replace_extension("warm"), std::ios::binary);
+  in.read(reinterpret_cast<char*>(warm.lambda.data()), static_cast<std::streamsize>(sizeof(double)) * p.rows());
+  EXPECT_TRUE(in) << file;
+  return warm;
+}
 
 TEST(ContactFiles, ConeSolvesHardFramesOfHandsAndMostOfAHumanoid) {
   const std::filesystem::path folder = test::recorded_data() / "friction_hard";
@@ -175,18 +185,24 @@ TEST(ContactFiles, ConeSolvesHardFramesOfHandsAndMostOfAHumanoid) {
     HardClass& own = classes[of];
     ++own.problems;
     own.soon += s.iterations <= 60;
+    const WarmStart before = frame_before(folder / file, p);
+    const Solution again = cone.solve(p, {.tolerance = 1e-10, .max_iterations = 60, .warm_start = &before});
+    own.warm += again.status == Status::solved;
     if (s.status != Status::solved) continue;
     ++own.solved;
     if (count % 10 != 0) continue;
     EXPECT_NE(measure(p, s, nullptr, 1e-10).verdict, Verdict::wrong) << file;
   }
   for (const auto& [name, own] : classes)
-    std::cout << name << ": " << own.solved << " of " << own.problems << " solved, " << own.soon << " ended soon\n";
+    std::cout << name << ": " << own.solved << " of " << own.problems << " solved, " << own.soon << " ended soon, "
+              << own.warm << " warm\n";
   EXPECT_EQ(classes["hand-hard"].solved, classes["hand-hard"].problems);
   EXPECT_GE(classes["hand-limit"].solved, 0.94 * classes["hand-limit"].problems);
   EXPECT_GE(classes["hand-limit"].soon, 0.84 * classes["hand-limit"].problems);
   EXPECT_GE(classes["humanoid"].solved, 0.85 * classes["humanoid"].problems);
   EXPECT_GE(classes["humanoid"].soon, 0.65 * classes["humanoid"].problems);
+  EXPECT_GE(classes["hand-limit"].warm, 0.76 * classes["hand-limit"].problems);
+  EXPECT_GE(classes["humanoid"].warm, 0.65 * classes["humanoid"].problems);
 }
 
 }  // namespace
