@@ -104,6 +104,20 @@ TEST(Leap, HoldsTornFramesOverAndSaysSo) {
             "3 frames of the right hand torn: frame 7: the right hand's palmPosition is not three numbers");
 }
 
+// Trackers take one hand for the other now and then, and Unity's axes are mirrored.
+TEST(Leap, AHandWithTheFingersOfTheOtherIsNone) {
+  Json document = leap_document(40, true, false);
+  for (std::size_t k = 5; k < 41; k += 7) document["frames"][k][2][0][1] = "left";
+  const HandMotion motion = read(document);
+  ASSERT_EQ(motion.hands.size(), 1u);
+  EXPECT_FALSE(motion.hands[0].model.left);
+  EXPECT_EQ(motion.hands[0].held_over, 6u);
+  EXPECT_EQ(motion.notes.front(), "6 frames of the left hand with the fingers of the other hand");
+  for (std::size_t k = 1; k < 41; ++k) document["frames"][k][2][0][1] = "left";
+  EXPECT_NE(motion_refusal(document.dump(), "swapped.json").find("its hands have the fingers of the other hand"),
+            std::string::npos);
+}
+
 TEST(Leap, AHandMayComeLate) {
   Json document = leap_document(40, true, true);
   for (int n = 1; n <= 15; ++n) document["frames"][static_cast<std::size_t>(n)][2].erase(1);

@@ -87,6 +87,7 @@ class Reader {
 
     std::array<RecordedTrack, 2> track;
     std::array<std::size_t, 2> kept = {};
+    std::size_t others = 0;
     for (std::size_t s = 0; s < 2; ++s) {
       track[s].left = s == 1;
       std::size_t seen = 0, sound = 0;
@@ -102,13 +103,20 @@ class Reader {
       if (2 * odd > sound) refuse("the bones " + of_hand + "change their lengths");
       note(out.notes, seen - sound, of_hand + "torn: " + hand_fault_[s]);
       note(out.notes, odd, of_hand + "with a bone of another length");
-      kept[s] = sound - odd;
+      const std::size_t mirrored = drop_mirrored(track[s]);
+      note(out.notes, mirrored, of_hand + "with the fingers of the other hand");
+      kept[s] = sound - odd - mirrored;
+      others += mirrored;
     }
     for (std::size_t s = 0; s < 2; ++s) {
       const bool passing = kept[s] < 3 || (20 * kept[s] < rows_.size() && kept[1 - s] > 10 * kept[s]);
       if (kept[s] > 0 && !passing) out.hands.push_back(std::move(track[s]));
       if (passing) note(out.notes, kept[s], std::string("show a ") + side_name[s] + " hand: passed over");
     }
+    if (out.hands.empty() && others > 0)
+      refuse(
+          "its hands have the fingers of the other hand: x to the right, y up, z toward the user, and from thumb to "
+          "little finger expected");
     if (out.hands.empty()) refuse("no hand in three or more of its " + counted(rows_.size(), "frame"));
     return out;
   }
@@ -264,6 +272,18 @@ class Reader {
       for (std::size_t b = 0; b < 15 && f.hand; ++b)
         if (!(std::abs(f.hand->bone(b / 3, b % 3) - usual[b]) <= 0.1 * usual[b] + 2e-3)) f.hand.reset(), ++odd;
     return odd;
+  }
+
+  // Of a right hand that looks down the index finger is to the left of the little one. Where it is not, axes are
+  // mirrored, or the tracker took one hand for the other.
+  static std::size_t drop_mirrored(RecordedTrack& track) {
+    std::size_t count = 0;
+    for (auto& f : track.frames) {
+      if (!f.hand) continue;
+      const double right = f.hand->palm.rotation.col(0).dot(f.hand->joints[1][0] - f.hand->joints[4][0]);
+      if (track.left ? right < 0 : right > 0) f.hand.reset(), ++count;
+    }
+    return count;
   }
 
   const std::filesystem::path& file_;
