@@ -113,12 +113,14 @@ bool ConeStarts::couple(const Job& job) {
 }
 
 // Is where the path points at an answer, or `near` one? Newton's method on the modes then begins there. Both ends are
-// guesses, and each alone may fit the modes to the last digit: of dense rows the motion is that of the forces.
+// guesses, which may fit the modes to the last digit while the motion is not that of the forces: a step makes it so.
+// (Where it is made so before, the modes may be others, and a hand that slides has frames without an answer.)
 bool ConeStarts::end_is_near(const Job& job, double& near) {
   if (!inside_.sees_end()) return false;
   if (!inside_.v_end.allFinite() || !inside_.y_end.allFinite()) return false;
-  if (program_.is_dense()) program_.face().force(inside_.y_end, inside_.v_end);
   modes_.begin(program_, inside_.v_end, inside_.y_end);
+  if (modes_.residual.natural <= job.options.tolerance * program_.scale(modes_.v) && !modes_.step(program_))
+    return false;
   job.best.keep(modes_.v, modes_.y, modes_.residual.natural);
   const double left = modes_.residual.natural / program_.scale(modes_.v);
   if (!(left <= near)) return false;
