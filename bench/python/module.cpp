@@ -88,15 +88,15 @@ py::tuple change_of_scene(const Instance& instance, int body, const Vector& pose
 // CPU seconds of this process's other threads, and of its children that have ended: a function's time, whoever it lets
 // do the work.
 double cpu_seconds_beside() {
-  timespec all{}, own{};
+  timespec all{};
   rusage ended{};
   clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &all);
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &own);
   getrusage(RUSAGE_CHILDREN, &ended);
+  const double own = thread_cpu_seconds() - seconds_elsewhere;
   const auto seconds = [](auto whole, auto part, double unit) {
     return static_cast<double>(whole) + unit * static_cast<double>(part);
   };
-  return seconds(all.tv_sec - own.tv_sec, all.tv_nsec - own.tv_nsec, 1e-9) +
+  return seconds(all.tv_sec, all.tv_nsec, 1e-9) - own +
          seconds(ended.ru_utime.tv_sec + ended.ru_stime.tv_sec, ended.ru_utime.tv_usec + ended.ru_stime.tv_usec, 1e-6);
 }
 

@@ -74,9 +74,11 @@ constexpr double up(double bound) { return bound * (1 + widened); }
 constexpr double down(double bound) { return bound * (1 - widened); }
 // What overflowed to NaN is as bad as can be.
 inline double or_infinity(double bound) { return std::isnan(bound) ? infinity : bound; }
-// Every solution meets normal and equality rows: a z that is off by p is p / 2 of the larger motion away from it. What
-// overflowed says nothing.
-inline double least_error(double primal) { return std::isfinite(primal) ? down(std::min(1.0, primal) / 2) : 0; }
+// Every solution meets normal and equality rows: a z that is off by p is p / 2 of the larger motion away from it, less
+// what p, which is measured, may be too large by. What overflowed says nothing.
+inline double least_error(double primal) {
+  return std::isfinite(primal) ? std::max(0.0, down(std::min(1.0, primal) / 2) - measured) : 0;
+}
 // The same for what a factor of M in FactorReal has a part in: proven_definite() leaves it right to 1 %.
 inline constexpr double widened_sum = 1.01;
 
