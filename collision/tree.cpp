@@ -31,7 +31,7 @@ void build(const Mesh& mesh, Model& model) {
   if (model.endModel() != fcl::BVH_OK) throw std::runtime_error("FCL could not build a tree");
 }
 
-constexpr std::uint64_t magic = 0x3465657274677a0au;  // "\nzgtree4" where bytes run from low to high
+constexpr std::uint64_t magic = 0x3565657274677a0au;  // "\nzgtree5" where bytes run from low to high
 
 // By words, as trees are large.
 std::uint64_t checksum(std::string_view bytes) {
@@ -46,7 +46,7 @@ std::uint64_t checksum(std::string_view bytes) {
 
 struct Header {
   std::uint64_t checksum;  // of all that follows it
-  std::uint64_t magic, nodes, triangles, points;
+  std::uint64_t magic, nodes, triangles, points, of_slivers;
 };
 
 }  // namespace
@@ -54,7 +54,8 @@ struct Header {
 Tree::Tree(const Mesh& mesh) {
   if (mesh.triangles.empty()) throw std::invalid_argument("a tree of no triangles");
   if (mesh.triangles.size() > (std::size_t{1} << 28)) throw std::invalid_argument("more than 2^28 triangles");
-  if (mostly_slivers(mesh)) {
+  of_slivers_ = mostly_slivers(mesh);
+  if (of_slivers_) {
     flatten(mesh, Halves(mesh));
   } else {
     Model model;
@@ -192,7 +193,7 @@ double Tree::bytes_per_triangle() const {
 }
 
 std::string Tree::to_bytes() const {
-  Header header{0, magic, nodes_.size(), corners_.size(), points_.size()};
+  Header header{0, magic, nodes_.size(), corners_.size(), points_.size(), of_slivers_};
   std::string bytes(sizeof header, '\0');
   std::memcpy(bytes.data(), &header, sizeof header);
   const auto put = [&bytes](const auto& list) {
@@ -214,6 +215,7 @@ Tree Tree::from_bytes(std::string_view bytes) {
     throw std::runtime_error("not a whole tree of this version");
   bytes.remove_prefix(sizeof header);
   Tree tree;
+  tree.of_slivers_ = header.of_slivers != 0;
   const auto get = [&bytes](auto& list, std::size_t count) {
     list.resize(count);
     std::memcpy(static_cast<void*>(list.data()), bytes.data(), count * sizeof(list[0]));

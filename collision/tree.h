@@ -80,6 +80,7 @@ class Tree {
   const Slab* slab(std::size_t node) const {
     return slabs_.empty() || slab_at_[node] == no_slab ? nullptr : &slabs_[slab_at_[node]];
   }
+  bool of_slivers() const { return of_slivers_; }
   // Depth first: `enter(node, number)` decides whether a node's subtree is visited, `visit(first, end)` gets the
   // triangles of each leaf that was entered.
   template <class Enter, class Visit>
@@ -126,6 +127,7 @@ class Tree {
   std::vector<Slab> slabs_ = {};
   std::vector<std::uint32_t> slab_at_ = {};  // by node; empty where there are none
   Vec3 low_ = Vec3::Zero(), high_ = Vec3::Zero();
+  bool of_slivers_ = false;  // mostly (halves.h)
 };
 
 }  // namespace zwang::collision

@@ -124,12 +124,22 @@ void World::collect_mesh(const Tree& tree, const Region& region, double reach,
   const auto enter = [&](const TreeNode& node, std::size_t number) {
     Region::LocalBox box;
     if (region.misses(node, box)) return false;
-    if (const Slab* slab = tree.slab(number); slab && region.misses(*slab)) return false;
+    const Slab* slab = tree.slab(number);
+    if (slab && region.misses(*slab)) return false;
     const auto [begin, end] = tree.range(number);
+    if (shape.core() == Core::hull || end - begin > patch_size) return true;
+    const std::span<const Vec3> points = tree.points(begin, end);
     Closest c;
-    if (shape.core() == Core::hull || end - begin > patch_size ||
-        !patch_plane(region, box, tree.points(begin, end), margins_.stop, c))
+    if (tree.of_slivers() && !tree.leaf(number)) {
+      const Triangle middle = tree.triangle((begin + end) / 2);
+      const Closest of_one = closest(shape, place, {.triangle = &middle}, shape.radius() + reach);
+      c = plane_over(shape, place, points, of_one);
+      const double gap = c.distance - shape.radius(), most = of_one.distance - shape.radius();
+      if (gap > reach) return false;
+      if (!(gap > margins_.stop / 2 && most < reach && most - gap <= (margins_.stop + gap) / 10)) return true;
+    } else if (!patch_plane(region, box, points, margins_.stop, c)) {
       return true;
+    }
     if (c.distance - shape.radius() <= reach) candidates.push_back({begin, end, c});
     return false;
   };
@@ -191,8 +201,10 @@ double World::safe_time(const Pair& pair, const Candidate& candidate, const Rela
     return collision::safe_time(a, motion, {.triangle = &triangle}, candidate.closest, range, limit);
   }
   const std::span<const Vec3> patch = tree->points(candidate.first, candidate.end);
+  const Triangle middle = tree->triangle((candidate.first + candidate.end) / 2);
   if (!motion.along_path()) {
     constexpr int planes = 6;
+    const double near = candidate.closest.distance - a.radius() + 2 * motion.travel();
     RelativeMotion::Instant now = motion.start();
     Closest plane = candidate.closest;
     double s = 0;
@@ -202,7 +214,9 @@ double World::safe_time(const Pair& pair, const Candidate& candidate, const Rela
       s += time_to_plane(a, motion, now, plane.normal, room, limit - s);
       if (s >= limit) return limit;
       now = motion.at(s);
-      plane = plane_between(a, now.place, patch, plane.on_b);
+      plane = tree->of_slivers()
+                  ? plane_over(a, now.place, patch, closest(a, now.place, {.triangle = &middle}, a.radius() + near))
+                  : plane_between(a, now.place, patch, plane.on_b);
     }
   }
   range.aim += (range.land - range.aim) / 8;

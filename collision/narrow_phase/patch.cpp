@@ -48,4 +48,12 @@ Closest plane_between(const Shape& shape, const Pose<double>& place, std::span<c
   return out;
 }
 
+Closest plane_over(const Shape& shape, const Pose<double>& place, std::span<const Vec3> points, const Closest& of_one) {
+  const Vec3 n = place.rotation.transpose() * of_one.normal;
+  const double height = Highest(of_one.normal, points).height;
+  return {.distance = -n.cwiseAbs().dot(shape.half()) - (height - of_one.normal.dot(place.position)),
+          .normal = of_one.normal,
+          .on_b = of_one.on_b + (height - of_one.normal.dot(of_one.on_b)) * of_one.normal};
+}
+
 }  // namespace zwang::collision

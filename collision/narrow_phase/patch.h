@@ -80,4 +80,8 @@ bool patch_plane(const Region& region, const Region::LocalBox& box, std::span<co
 // patch's corners: a lower bound of the distance. B's axes.
 Closest plane_between(const Shape& shape, const Pose<double>& place, std::span<const Vec3> points, const Vec3& near);
 
+// Of slivers side by side, whose corners are far off to the side: the plane across the nearest points of the core and
+// of one of them, moved up to the highest of all their corners. on_b is on the plane, beside the core. B's axes.
+Closest plane_over(const Shape& shape, const Pose<double>& place, std::span<const Vec3> points, const Closest& of_one);
+
 }  // namespace zwang::collision

@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -135,6 +136,24 @@ Mesh sliver_thread(double radius, double pitch, int turns, int steps, int points
   add_fan(mesh, low, {0, 0, 0}, false);
   add_fan(mesh, high, {0, 0, pitch * (turns + 1)}, false);
   return cleaned(std::move(mesh));
+}
+
+Mesh sliver_plate(const Vec3& widths, int strips) {
+  Mesh mesh;
+  const auto edge = [&](double x, double z) {
+    Outline outline;
+    for (int i = 0; i <= strips; ++i) outline.emplace_back(x, widths.y() * (i / static_cast<double>(strips) - 0.5));
+    return add_ring(mesh, outline, z);
+  };
+  const double x = widths.x() / 2, z = widths.z();
+  const std::array edges{edge(-x, 0), edge(x, 0), edge(x, z), edge(-x, z)};
+  for (std::size_t k = 0; k < 4; ++k) add_strip(mesh, edges[(k + 1) % 4], edges[k], false);
+  for (const bool last : {false, true}) {
+    const auto corner = [&](std::size_t k) { return last ? edges[k].back() : edges[k].front(); };
+    mesh.triangles.push_back({corner(0), corner(last ? 2 : 1), corner(last ? 1 : 2)});
+    mesh.triangles.push_back({corner(0), corner(last ? 3 : 2), corner(last ? 2 : 3)});
+  }
+  return mesh;
 }
 
 Mesh sliver_loft(double radius, double height, int points, double fillet) {

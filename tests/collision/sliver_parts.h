@@ -16,6 +16,9 @@ collision::Mesh sliver_gear(double radius, double thickness, int teeth, int poin
 // A trapezoidal thread, its corners rounded by `fillet`, of `steps` strips a turn along the helix; ends fanned.
 collision::Mesh sliver_thread(double radius, double pitch, int turns, int steps, int points, double fillet);
 
+// A plate whose faces and two of its sides are strips along x: their boxes along the axes are as tight as any.
+collision::Mesh sliver_plate(const Vec3& widths, int strips);
+
 // From a square with rounded corners of `points` points below to a square turned by 45 degrees above: all points of a
 // corner below are joined to the same one above.
 collision::Mesh sliver_loft(double radius, double height, int points, double fillet);

@@ -21,7 +21,8 @@ const std::vector<Part>& parts() {
     std::vector<Part> made{{"gear", meshes::sliver_gear(0.031, 0.012, 24, 80, 2, 8e-7)},
                            {"splined shaft", meshes::sliver_gear(0.02, 0.06, 16, 40, 1, 2e-6)},
                            {"thread", meshes::sliver_thread(0.012, 0.003, 6, 12, 60, 3e-7)},
-                           {"loft", meshes::sliver_loft(0.04, 0.05, 4000, 1e-4)}};
+                           {"loft", meshes::sliver_loft(0.04, 0.05, 4000, 1e-4)},
+                           {"plate", meshes::sliver_plate({0.15, 0.1, 0.02}, 5000)}};
     const std::size_t count = made.size();
     for (std::size_t k = 0; k < count; ++k) made.push_back({"spoiled", meshes::spoiled(made[k].mesh)});
     return made;
@@ -138,6 +139,30 @@ TEST(Slivers, AreTreatedInTreesOfTheirOwnAndAllocateNothing) {
   EXPECT_EQ(world.touches(2e-3).size(), touches);
   EXPECT_TRUE(nearest(*tree, world.pose(1).position, 0.01));
   EXPECT_EQ(allocations(), before);
+}
+
+// A face of strips is a few planes to a finger, whichever way the strips run.
+TEST(Slivers, OfAFaceCountAsOneWhereOnePlaneKeepsThemOff) {
+  const auto tree = std::make_shared<const Tree>(meshes::sliver_plate({0.15, 0.1, 0.02}, 5000));
+  for (const double turn : {0.0, 0.4}) {
+    const Pose<double> place{Vec3::Zero(), rotation(Vec3(0, 0, turn))};
+    World world;
+    world.add(tree, place);
+    world.add(Shape::capsule(0.04, 0.008), {place * Vec3(0.01, 0.01, 0.028 + 5e-4), place.rotation});
+    const auto touches = world.touches(2e-3);
+    std::size_t near = 0;
+    for (const Triangle& t : tree->triangles())
+      near +=
+          closest(*world.shape(1), {Vec3(0.01, 0.01, 0.028 + 5e-4), Mat3::Identity()}, {.triangle = &t}, 1).distance <
+          0.01;
+    EXPECT_GT(near, 100);
+    EXPECT_GT(touches.size(), 0);
+    EXPECT_LT(touches.size(), near / 8);
+    double least = 1;
+    for (const Touch& t : touches) least = std::min(least, t.gap);
+    EXPECT_LE(least, 5e-4 + 1e-12);
+    EXPECT_GE(least, 5e-4 - 0.1 * (5e-4 + 1e-4));
+  }
 }
 
 TEST(Slivers, ATreeFromItsBytesAnswersTheSame) {
