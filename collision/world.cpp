@@ -1,8 +1,10 @@
 #include <zwang/collision/world.h>
 
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <stdexcept>
+#include <utility>
 
 #include <zwang/collision/narrow_phase/patch.h>
 
@@ -10,6 +12,57 @@ namespace zwang::collision {
 namespace {
 
 constexpr double touching = 1e-9;  // m: nearer than this counts as overlap
+
+// How often a plane is put anew along a motion: of a patch while that is cheaper than its triangles, of slivers as
+// often as one of them may need, for what a plane does not show is shown of each.
+constexpr int patch_planes = 6, sliver_planes = 100;
+
+// May all of the motion up to `limit` be made without reaching the plane, or those that `next` puts in its place?
+template <class Next>
+bool clear_of_planes(const Shape& a, const RelativeMotion& motion, Closest plane, StopRange range, double limit,
+                     int planes, const Next& next) {
+  RelativeMotion::Instant now = motion.start();
+  double s = 0;
+  for (int k = 0; k < planes; ++k) {
+    const double room = plane.distance - a.radius() - range.aim;
+    if (!(room > 0)) return false;
+    s += time_to_plane(a, motion, now, plane.normal, room, limit - s);
+    if (s >= limit) return true;
+    now = motion.at(s);
+    plane = next(now.place, plane);
+  }
+  return false;
+}
+
+// The least of `limit` and the safe times of some triangles.
+double past_triangles(const Shape& a, const Tree& tree, std::pair<std::uint32_t, std::uint32_t> some,
+                      const RelativeMotion& motion, StopRange range, double limit) {
+  range.aim += (range.land - range.aim) / 8;
+  for (const Triangle& triangle : tree.triangles(some)) {
+    const Obstacle obstacle{.triangle = &triangle};
+    const Closest start = closest(a, motion.start().place, obstacle, a.radius() + motion.travel() + range.land);
+    if (start.distance - a.radius() > motion.travel() + range.land) continue;
+    limit = safe_time(a, motion, obstacle, start, range, limit);
+  }
+  return limit;
+}
+
+// Of the slivers of a subtree, `plane` over them: where the plane is reached, the halves have planes of their own, the
+// nearer half first, down to the leaves.
+double past_slivers(const Shape& a, const Tree& tree, std::size_t node, const Closest& plane,
+                    const RelativeMotion& motion, StopRange range, double limit) {
+  const double near = a.radius() + motion.travel() + range.land;
+  if (plane.distance > near) return limit;
+  const auto over = [&](const Pose<double>& place, std::size_t of) { return PlaneOver(a, place, tree, of, near); };
+  const auto next = [&](const Pose<double>& place, const Closest&) { return over(place, node); };
+  if (!motion.along_path() && clear_of_planes(a, motion, plane, range, limit, sliver_planes, next)) return limit;
+  if (tree.leaf(node)) return past_triangles(a, tree, tree.range(node), motion, range, limit);
+  std::array halves{node + 1, std::size_t{tree.nodes()[node + 1].skip}};
+  std::array planes{over(motion.start().place, halves[0]), over(motion.start().place, halves[1])};
+  if (planes[1].distance < planes[0].distance) std::swap(planes[0], planes[1]), std::swap(halves[0], halves[1]);
+  for (std::size_t k = 0; k < 2; ++k) limit = past_slivers(a, tree, halves[k], planes[k], motion, range, limit);
+  return limit;
+}
 
 }  // namespace
 
@@ -107,40 +160,42 @@ void World::collect_pair(int a, int b, double activation, Found& found) const {
     Region region(shape, motion.start().place,
                   shape.radius() + (moves ? std::max(activation, 2 * margins_.stop + curve) : activation));
     if (moves && !motion.along_path()) region.include(motion.at(1).place, margins_.stop + curve + shape.radius());
-    collect_mesh(*tree, region, reach, found.candidates);
+    collect_mesh(*tree, region, reach, moves, found.candidates);
   } else {
     const Shape& other = *this->shape(b);
     const Closest c = closest(shape, motion.start().place, {.shape = &other}, 0);
-    if (c.distance - shape.radius() - other.radius() <= reach) found.candidates.push_back({0, 1, c});
+    if (c.distance - shape.radius() - other.radius() <= reach) found.candidates.push_back({0, 1, 0, c});
   }
   if (found.candidates.size() > first) found.pairs.push_back({a, b, first, found.candidates.size()});
 }
 
 // The patches (where one plane is accurate enough) and triangles of a mesh within `reach` of the region's shape.
-void World::collect_mesh(const Tree& tree, const Region& region, double reach,
+void World::collect_mesh(const Tree& tree, const Region& region, double reach, bool swept,
                          std::vector<Candidate>& candidates) const {
   const Shape& shape = region.shape;
   const Pose<double>& place = region.a_in_b;
+  // Of slivers, a sweep takes a whole face as one, if its box may be thin enough for any plane.
+  const auto flat = [&](const TreeNode& node, double gap) { return node.thickness() <= (margins_.stop + gap) / 10; };
   const auto enter = [&](const TreeNode& node, std::size_t number) {
     Region::LocalBox box;
     if (region.misses(node, box)) return false;
     const Slab* slab = tree.slab(number);
     if (slab && region.misses(*slab)) return false;
     const auto [begin, end] = tree.range(number);
-    if (shape.core() == Core::hull || end - begin > patch_size) return true;
-    const std::span<const Vec3> points = tree.points(begin, end);
-    Closest c;
-    if (tree.of_slivers() && !tree.leaf(number)) {
-      const Triangle middle = tree.triangle((begin + end) / 2);
-      const Closest of_one = closest(shape, place, {.triangle = &middle}, shape.radius() + reach);
-      c = plane_over(shape, place, points, of_one);
-      const double gap = c.distance - shape.radius(), most = of_one.distance - shape.radius();
+    if (shape.core() == Core::hull) return true;
+    if (tree.of_slivers()) {
+      if (tree.leaf(number) || (end - begin > patch_size && !(swept && flat(node, reach)))) return true;
+      const PlaneOver plane(shape, place, tree, number, shape.radius() + reach);
+      const double gap = plane.distance - shape.radius(), most = plane.most - shape.radius();
       if (gap > reach) return false;
-      if (!(gap > margins_.stop / 2 && most < reach && most - gap <= (margins_.stop + gap) / 10)) return true;
-    } else if (!patch_plane(region, box, points, margins_.stop, c)) {
-      return true;
+      const double slack = (gap > margins_.stop / 2 ? margins_.stop + gap : gap) / 10;
+      if (!(gap > touching && most < reach && most - gap <= slack)) return true;
+      candidates.push_back({begin, end, number, plane});
+      return false;
     }
-    if (c.distance - shape.radius() <= reach) candidates.push_back({begin, end, c});
+    Closest c;
+    if (end - begin > patch_size || !patch_plane(region, box, tree.points(begin, end), margins_.stop, c)) return true;
+    if (c.distance - shape.radius() <= reach) candidates.push_back({begin, end, number, c});
     return false;
   };
   tree.walk(enter, [&](std::uint32_t begin, std::uint32_t end) {
@@ -157,7 +212,7 @@ void World::collect_mesh(const Tree& tree, const Region& region, double reach,
       if (c.distance - shape.radius() > reach) continue;
       c.normal = place.rotation * c.normal;
       c.on_b = place * c.on_b;
-      candidates.push_back({t, t + 1, c});
+      candidates.push_back({t, t + 1, 0, c});
     }
   });
 }
@@ -200,33 +255,14 @@ double World::safe_time(const Pair& pair, const Candidate& candidate, const Rela
     const Triangle triangle = tree->triangle(candidate.first);
     return collision::safe_time(a, motion, {.triangle = &triangle}, candidate.closest, range, limit);
   }
+  if (tree->of_slivers()) return past_slivers(a, *tree, candidate.node, candidate.closest, motion, range, limit);
   const std::span<const Vec3> patch = tree->points(candidate.first, candidate.end);
-  const Triangle middle = tree->triangle((candidate.first + candidate.end) / 2);
-  if (!motion.along_path()) {
-    constexpr int planes = 6;
-    const double near = candidate.closest.distance - a.radius() + 2 * motion.travel();
-    RelativeMotion::Instant now = motion.start();
-    Closest plane = candidate.closest;
-    double s = 0;
-    for (int k = 0; k < planes; ++k) {
-      const double room = plane.distance - a.radius() - range.aim;
-      if (!(room > 0)) break;
-      s += time_to_plane(a, motion, now, plane.normal, room, limit - s);
-      if (s >= limit) return limit;
-      now = motion.at(s);
-      plane = tree->of_slivers()
-                  ? plane_over(a, now.place, patch, closest(a, now.place, {.triangle = &middle}, a.radius() + near))
-                  : plane_between(a, now.place, patch, plane.on_b);
-    }
-  }
-  range.aim += (range.land - range.aim) / 8;
-  for (const Triangle& triangle : tree->triangles(candidate.first, candidate.end)) {
-    const Obstacle obstacle{.triangle = &triangle};
-    const Closest start = closest(a, motion.start().place, obstacle, a.radius() + motion.travel() + range.land);
-    if (start.distance - a.radius() > motion.travel() + range.land) continue;
-    limit = collision::safe_time(a, motion, obstacle, start, range, limit);
-  }
-  return limit;
+  const auto next = [&](const Pose<double>& place, const Closest& plane) {
+    return plane_between(a, place, patch, plane.on_b);
+  };
+  if (!motion.along_path() && clear_of_planes(a, motion, candidate.closest, range, limit, patch_planes, next))
+    return limit;
+  return past_triangles(a, *tree, {candidate.first, candidate.end}, motion, range, limit);
 }
 
 TimeOfContact World::time_of_contact(std::span<const Move> moves) {
@@ -259,6 +295,7 @@ TimeOfContact World::time_of_contact(std::span<const Move> moves) {
       least_[static_cast<std::size_t>(pair.b)] = std::min(least_[static_cast<std::size_t>(pair.b)], least);
   }
 
+  order_.reserve(found.candidates.capacity());
   TimeOfContact out;
   for (const Pair& pair : found.pairs) {
     const BodyMotion of_a = body_motion(pair.a), of_b = body_motion(pair.b);
@@ -269,11 +306,19 @@ TimeOfContact World::time_of_contact(std::span<const Move> moves) {
     double least = least_[static_cast<std::size_t>(pair.a)];
     if (!mesh(pair.b)) least = std::min(least, least_[static_cast<std::size_t>(pair.b)]);
     const StopRange range = stop_range(least, margins_.stop);
+    order_.clear();
     for (std::size_t i = pair.first; i < pair.end; ++i) {
-      const Candidate& candidate = found.candidates[i];
-      const double gap = candidate.closest.distance - radius;
+      const double gap = found.candidates[i].closest.distance - radius;
       if (gap > motion.travel() + range.land) continue;
       if (gap <= touching) return {0, pair.a, pair.b, true};
+      order_.push_back(i);
+    }
+    // Slivers are met in the order in which they lie side by side: from the far end on, each would take a little more
+    // off the time.
+    if (const Tree* tree = mesh(pair.b); tree && tree->of_slivers())
+      std::ranges::sort(order_, {}, [&](std::size_t i) { return std::pair(found.candidates[i].closest.distance, i); });
+    for (const std::size_t i : order_) {
+      const Candidate& candidate = found.candidates[i];
       const double time = safe_time(pair, candidate, motion, range, out.time);
       if (time < out.time) out = {time, pair.a, pair.b, false};
     }

@@ -89,6 +89,7 @@ class World {
   };
   struct Candidate {
     std::uint32_t first, end;  // its triangles, in the tree's order
+    std::size_t node;          // of slivers: whose subtree they are
     Closest closest;           // b's axes; the core of a against the triangle, or against the core of b
   };
   struct Pair {
@@ -108,7 +109,8 @@ class World {
   double travel(int collider) const;
   void collect(double activation, Found& found);
   void collect_pair(int a, int b, double activation, Found& found) const;
-  void collect_mesh(const Tree& tree, const Region& region, double reach, std::vector<Candidate>& candidates) const;
+  void collect_mesh(const Tree& tree, const Region& region, double reach, bool swept,
+                    std::vector<Candidate>& candidates) const;
   double safe_time(const Pair& pair, const Candidate& candidate, const RelativeMotion& motion, StopRange range,
                    double limit) const;
 
@@ -118,8 +120,9 @@ class World {
   std::vector<int> overlapping_;
   std::vector<const Move*> move_of_;  // of the present query, by collider
   Found near_, swept_;
-  double near_reach_ = -1;     // m, activation distance of near_; -1: out of date
-  std::vector<double> least_;  // m, by collider: its smallest gap at the start
+  double near_reach_ = -1;          // m, activation distance of near_; -1: out of date
+  std::vector<std::size_t> order_;  // of a pair's candidates
+  std::vector<double> least_;       // m, by collider: its smallest gap at the start
   std::vector<Touch> touches_;
   FaceContacts face_contacts_;
 };

@@ -1,5 +1,7 @@
 #include <zwang/collision/narrow_phase/patch.h>
 
+#include <zwang/collision/narrow_phase/approach.h>
+
 namespace zwang::collision {
 namespace {
 
@@ -48,12 +50,16 @@ Closest plane_between(const Shape& shape, const Pose<double>& place, std::span<c
   return out;
 }
 
-Closest plane_over(const Shape& shape, const Pose<double>& place, std::span<const Vec3> points, const Closest& of_one) {
-  const Vec3 n = place.rotation.transpose() * of_one.normal;
-  const double height = Highest(of_one.normal, points).height;
-  return {.distance = -n.cwiseAbs().dot(shape.half()) - (height - of_one.normal.dot(place.position)),
-          .normal = of_one.normal,
-          .on_b = of_one.on_b + (height - of_one.normal.dot(of_one.on_b)) * of_one.normal};
+PlaneOver::PlaneOver(const Shape& shape, const Pose<double>& place, const Tree& tree, std::size_t node, double reach) {
+  const auto [begin, end] = tree.range(node);
+  const Triangle middle = tree.triangle((begin + end) / 2);
+  static_cast<Closest&>(*this) = closest(shape, place, {.triangle = &middle}, reach);
+  most = distance;
+  const double height =
+      end - begin > patch_size ? tree.nodes()[node].height(normal) : Highest(normal, tree.points(begin, end)).height;
+  on_b += (height - normal.dot(on_b)) * normal;
+  distance =
+      -(place.rotation.transpose() * normal).cwiseAbs().dot(shape.half()) - (height - normal.dot(place.position));
 }
 
 }  // namespace zwang::collision
