@@ -21,6 +21,7 @@
 #include <zwang/bench/timing/conditions.h>
 #include <zwang/core/files/problem_file.h>
 #include <zwang/core/problem/cpu_clock.h>
+#include <zwang/core/problem/wording.h>
 #include <zwang/core/referee/exact_rank.h>
 #include <zwang/solvers/friction/solution_derivative.h>
 #include <zwang/solvers/registry.h>
@@ -167,6 +168,13 @@ py::dict settings_of(const SolverEntry& entry) {
 
 using Values = SolutionDerivative::Values;
 
+SolutionDerivative derivative_of(const Problem& problem, const Values& z, const Values& lambda) {
+  SolutionDerivative made(problem, z, lambda);
+  if (made.off <= tolerances::derivative_tie * made.motion) return made;
+  throw std::invalid_argument(printed("the answer is off by %.1e of the motion, and modes are read to %.0e",
+                                      made.off / (made.motion > 0 ? made.motion : 1), tolerances::derivative_tie));
+}
+
 struct Solved {
   Solution solution;
   double seconds = 0;
@@ -185,7 +193,8 @@ Solved solve(const Instance& instance, const std::string& asked, double toleranc
                        .accuracy = accuracy,
                        .time_limit = time_limit,
                        .max_iterations = max_iterations,
-                       .fresh = true};
+                       .fresh = true,
+                       .form = &SolutionDerivative::form()};
   if (warm) {
     request.warm = {.key = instance.problem.key, .lambda = *warm};
     if (request.warm.lambda.size() != instance.problem.rows())
@@ -269,15 +278,12 @@ PYBIND11_MODULE(_zwang, m) {
       .def_readonly("seconds", &Solved::seconds);
 
   made_by_calls(py::class_<SolutionDerivative>(m, "SolutionDerivative"))
-      .def(py::init([](const Instance& instance, const Values& z, const Values& lambda) {
-        return SolutionDerivative(instance.problem, z, lambda);
-      }))
       .def(py::init([](const Instance& instance, const Solved& solved) {
-        return SolutionDerivative(instance.problem, solved.solution.z, solved.solution.lambda);
+        return derivative_of(instance.problem, solved.solution.z, solved.solution.lambda);
       }))
-      .def_property_readonly_static("tie", [](const py::object&) { return tolerances::derivative_tie; })
-      .def_readonly("off", &SolutionDerivative::off)
-      .def_readonly("motion", &SolutionDerivative::motion)
+      .def(py::init([](const Instance& instance, const Values& z, const Values& lambda) {
+        return derivative_of(instance.problem, z, lambda);
+      }))
       .def_readonly("rows", &SolutionDerivative::rows)
       .def_readonly("ties", &SolutionDerivative::ties)
       .def_readonly("by_mu", &SolutionDerivative::by_mu)

@@ -26,7 +26,8 @@ SolveReply SolveService::run(const Problem& problem, const SolveRequest& call) {
   SolveOptions options{.tolerance = call.tolerance,
                        .max_iterations = call.max_iterations,
                        .time_limit = call.time_limit,
-                       .warm_start = call.warm.key.empty() ? nullptr : &call.warm};
+                       .warm_start = call.warm.key.empty() ? nullptr : &call.warm,
+                       .form = call.form};
   options.read_accuracy(call.accuracy);
   if (call.observe)
     options.observe = [&](int iteration, const Vector& z, const Vector& lambda) {

@@ -18,14 +18,15 @@ using MakeSolver = std::function<AnySolver(std::string_view text)>;
 struct SolveRequest {
   std::string solver = {};  // as given on the command line
   double tolerance = 1e-10;
-  std::string accuracy = {};     // SolveOptions::read_accuracy
-  double time_limit = 1;         // s of CPU time, for one solve
-  int max_iterations = 1000000;  // in the method's own unit
-  int solves = 1;                // solves between the two readings of the clock
-  bool fresh = false;            // build the solver anew: its first solve includes allocations and analyses
-  bool warm_up = false;          // one untimed solve first, to fill the caches
-  bool observe = false;          // keep iterates (never in timed calls)
-  WarmStart warm = {};           // the frame before; no keys: a cold solve
+  std::string accuracy = {};      // SolveOptions::read_accuracy
+  double time_limit = 1;          // s of CPU time, for one solve
+  int max_iterations = 1000000;   // in the method's own unit
+  int solves = 1;                 // solves between the two readings of the clock
+  bool fresh = false;             // build the solver anew: its first solve includes allocations and analyses
+  bool warm_up = false;           // one untimed solve first, to fill the caches
+  bool observe = false;           // keep iterates (never in timed calls)
+  WarmStart warm = {};            // the frame before; no keys: a cold solve
+  NullSpaceForm* form = nullptr;  // SolveOptions::form; of a solve in this process
 };
 
 struct SolveReply {

@@ -104,6 +104,7 @@ struct WarmStart {
 // Called once per iterate; timed runs leave it empty. lambda may be empty.
 using Observer = std::function<void(int iteration, const Vector& z, const Vector& lambda)>;
 
+class NullSpaceForm;
 class Prover;
 
 struct SolveOptions {
@@ -117,7 +118,8 @@ struct SolveOptions {
   double memory_limit = std::numeric_limits<double>::infinity();  // bytes of dense parts, where the machine has more
   const WarmStart* warm_start = nullptr;
   Observer observe = nullptr;
-  Prover* prover = nullptr;  // of bounds, where there is an accuracy (solvers/prover.h): the registry's
+  Prover* prover = nullptr;       // of bounds, where there is an accuracy (solvers/prover.h): the registry's
+  NullSpaceForm* form = nullptr;  // gets what the method made of jointed bodies, for who differentiates the answer
 
   bool has_accuracy() const { return accuracy > 0 || speed_accuracy > 0; }
   // "1e-4", "1e-4m/s" or "": none. Throws std::invalid_argument.

@@ -22,7 +22,13 @@ void DualActiveSet::solve_island(const Problem& problem, const SolveOptions& opt
   solution.reset(problem.size(), problem.rows());
   JointSpaceActiveSet& reduced = reduced_.of(problem.size(), JointGraph::kind(problem));
   reduced.polish = polish;
-  if (reduced.solve(problem, options, solution)) return;
+  if (options.form) reduced.swap_form(*options.form);
+  const bool solved = reduced.solve(problem, options, solution);
+  if (options.form) {
+    reduced.swap_form(*options.form);
+    if (solved) options.form->remember(problem);
+  }
+  if (solved) return;
   SolveOptions rest = options;
   rest.time_limit = deadline.left();
   solve_carefully(problem, rest, solution);

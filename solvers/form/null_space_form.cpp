@@ -1,5 +1,7 @@
 #include <zwang/solvers/form/null_space_form.h>
 
+#include <cmath>
+
 #include <zwang/solvers/linalg/multiply_add.h>
 #include <zwang/solvers/linalg/tolerances.h>
 namespace zwang {
@@ -11,6 +13,7 @@ constexpr Index packet = BodyRows::lanes;
 }  // namespace
 
 std::string_view NullSpaceForm::build(const Problem& problem) {
+  remembers_ = false;
   if (!rows_.build(problem)) return "rows that are not of jointed bodies";
   if (const auto refused = tree_.factorize(rows_); !refused.empty()) return refused;
   inequalities_.resize(rows_.row.size());
@@ -39,6 +42,28 @@ std::string_view NullSpaceForm::build(const Problem& problem) {
   tree_.shift(sigma_, y_E_);
   meet_cut(sigma_, y_E_);
   return {};
+}
+
+void NullSpaceForm::remember(const Problem& p) {
+  if (!p.M.isCompressed() || !p.J.isCompressed()) return;
+  M_places_.keep(p.M);
+  J_places_.keep(p.J);
+  M_entry_ = p.M.coeffs();
+  J_entry_ = p.J.coeffs();
+  remembers_ = true;
+}
+
+bool NullSpaceForm::take(const Problem& p) {
+  if (!remembers_ || !M_places_.matches(p.M) || !J_places_.matches(p.J)) return false;
+  if ((p.M.coeffs() != M_entry_).any() || (p.J.coeffs() != J_entry_).any()) return false;
+  std::size_t k = 0;
+  for (Index i = 0; i < p.rows(); ++i) {
+    const bool is_here = k < rows_.row.size() && rows_.row[k] == i, holds = is_here && rows_.equality[k] != 0;
+    if (holds != p.is_equality(i) || (!is_here && std::isfinite(p.c[i]))) return false;
+    k += is_here;
+  }
+  has_basis_ = has_basis_ && !tree_.cut().empty();  // as build() leaves it: with one, rows are reduced by other sums
+  return true;
 }
 
 void NullSpaceForm::shift(const Vector& h) {

@@ -3,6 +3,7 @@
 #include <string_view>
 #include <vector>
 
+#include <zwang/core/problem/sparsity_pattern.h>
 #include <zwang/solvers/form/body_rows.h>
 #include <zwang/solvers/form/joint_tree.h>
 
@@ -21,6 +22,11 @@ class NullSpaceForm {
   using Motion = JointTree::Motion;  // lanes x bodies: y by body
 
   std::string_view build(const Problem& problem);  // "" or why it refuses
+  // For who may want it again: remember() what it was built for; does it serve this problem, of the same M and J? Then
+  // it is to the bit what build() makes, less what z_u and c say (shift() does), and perhaps of more rows: inequality
+  // rows that by c = -Inf are none any more.
+  void remember(const Problem& problem);
+  bool take(const Problem& problem);
 
   const BodyRows& rows() const { return rows_; }
   Index freedom() const { return freedom_; }
@@ -46,12 +52,14 @@ class NullSpaceForm {
   bool close_loops();
   void meet_cut(const Vector& sigma, Motion& y) const;
 
+  SparsityPattern M_places_, J_places_;  // remembered
+  Eigen::ArrayXd M_entry_, J_entry_;
   BodyRows rows_;
   JointTree tree_;
   std::vector<Index> equalities_, inequalities_;
   Index freedom_ = 0, padded_ = 0;
   double smallest_pivot_ = 1;
-  bool has_basis_ = false;
+  bool remembers_ = false, has_basis_ = false;
   Motion y_E_;
   Matrix Nt_;                    // padded x 6 bodies
   Matrix cut_, turn_, Nt_tree_;  // N'g of the rows that close loops, as reflections and R; Q

@@ -70,7 +70,8 @@ bool ConeProgram::collect(const Problem& p, const Rows& rows, Solution& solution
   }
   for (Index i = 0; i < p.rows(); ++i) {
     const Index k = unit_of_[at(i)];
-    if (p.is_tangent(i) || k < 0 || slips(i) || (p.is_equality(i) && form_ == Form::joints)) continue;
+    if (p.is_tangent(i) || k < 0 || !std::isfinite(p.c[i]) || slips(i)) continue;
+    if (p.is_equality(i) && form_ == Form::joints) continue;
     equality_.push_back(p.is_equality(i));
     row_.push_back({i, k, 1, rows.row_norm[k], violation(k)});
   }
@@ -150,11 +151,22 @@ void ConeProgram::fill_sparse(const Problem& p, const SolveOptions& options, con
 bool ConeProgram::can_be_dense(const Problem& p) { return p.size() <= most_dense; }
 
 bool ConeProgram::build(const Problem& p, Want want, const SolveOptions& options, const Deadline& deadline,
-                        Solution& solution) {
+                        Solution& solution, NullSpaceForm* made) {
   has_cones_ = p.has_tangents() && want != Want::normals;
   law_ = has_cones_ ? ConeLaw::of(p.law) : ConeLaw();
   const bool dense = want == Want::dense;
-  const bool joints = want != Want::way_back && has_equalities(p) && joints_.build(p).empty() &&
+  const auto has_form = [&] {
+    if (!made) return false;
+    if (joints_.take(p)) return true;
+    std::swap(joints_, *made);
+    return joints_.take(p);
+  };
+  const auto make_form = [&] {
+    if (!joints_.build(p).empty()) return false;
+    if (made) joints_.remember(p);
+    return true;
+  };
+  const bool joints = want != Want::way_back && has_equalities(p) && (has_form() || make_form()) &&
                       joints_.freedom() > 0 && joints_.freedom() <= tolerances::few_unknowns &&
                       joints_.smallest_pivot() >= tolerances::clear_pivot;
   const bool full = p.size() <= tolerances::few_unknowns || (can_be_dense(p) && (dense || rows_are_full(p)));

@@ -31,9 +31,11 @@ class ConeProgram {
     way_back,  // joints stay, so that read() knows the way back from z
     normals    // every contact is taken for one without friction
   };
-  // Under the problem's law. Resets the solution. False where the answer is known, and then written.
+  // Under the problem's law. Resets the solution. False where the answer is known, and then written. made:
+  // where there may be a form of these bodies; it, or the last, is taken where it is theirs, and then h is void until
+  // restate().
   bool build(const Problem& problem, Want want, const SolveOptions& options, const Deadline& deadline,
-             Solution& solution);
+             Solution& solution, NullSpaceForm* made = nullptr);
   // The problem as it was built, less its z_u and c: those of this one. False where it asks what no motion changes.
   bool restate(const Problem& problem, const Deadline& deadline);
   // The same rows under another law of cones; with the cones lifted by slips, as if each contact slid so fast.

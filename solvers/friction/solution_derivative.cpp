@@ -18,18 +18,30 @@ struct Workspace {  // fresh, all of a derivative takes twice the time
   ModeEquations equations;
   Solution answer;
   Vector push, v, y, s;
+  NullSpaceForm form;      // that a solver of the thread left
   long owner = 0;          // whose rows and factor these are
   bool is_whole, is_back;  // the factor: of all its rows, of the transposed equations
 };
 
+Workspace& workspace() {
+  thread_local Workspace work;
+  return work;
+}
+
 }  // namespace
 
+NullSpaceForm& SolutionDerivative::form() { return workspace().form; }
+
 SolutionDerivative::SolutionDerivative(const Problem& p, const Values& z, const Values& lambda)
-    : change_{.M = p.M, .law = p.law}, number_(next_number()) {
+    : change_{.M = p.M, .J = p.J, .kind = p.kind, .law = p.law}, lambda_(lambda), number_(next_number()) {
   if (z.size() != p.size() || lambda.size() != p.rows())
     throw std::invalid_argument("modes are read off z and lambda of a solution");
   const Vector mass = p.M.diagonal(), light = mass.cwiseInverse();
-  Vector slack(p.rows()), unit(p.rows()), left = p.M * (z - p.z_u);  // a motion of length 1 moves a row by a `unit`
+  owner_.assign(at(p.rows()), 0);
+  change_.c.setConstant(p.rows(), -infinity);
+  Vector& slack = slack_;
+  slack.resize(p.rows());
+  Vector unit(p.rows()), left = p.M * (z - p.z_u);  // a motion of length 1 moves a row by a `unit`
   for (Index i = 0; i < p.rows(); ++i) {
     double own = -p.c[i], squares = 0;
     for (RowMatrix::InnerIterator it(p.J, i); it; ++it) {
@@ -37,10 +49,11 @@ SolutionDerivative::SolutionDerivative(const Problem& p, const Values& z, const 
       squares += it.value() * it.value() * light[it.col()];
     }
     slack[i] = own;
-    unit[i] = squares > 0 ? std::sqrt(squares) : 1;
+    unit[i] = squares > 0 ? squares : 1;
     if (lambda[i] != 0)
       for (RowMatrix::InnerIterator it(p.J, i); it; ++it) left[it.col()] -= it.value() * lambda[i];
   }
+  unit = unit.cwiseSqrt();  // side by side
   const auto length = [&](const Vector& v) { return std::sqrt(v.cwiseAbs2().dot(mass)); };
   motion = std::max(length(z), length(p.z_u));
   off = length(left.cwiseProduct(light));
@@ -49,10 +62,14 @@ SolutionDerivative::SolutionDerivative(const Problem& p, const Values& z, const 
   const double zero = tolerances::derivative_tie * motion, opening = ConeLaw::of(p.law).opening();
   for (Index i = 0, tangents = 0; i < p.rows(); i += 1 + tangents) {
     tangents = p.has_tangents() ? p.tangents(i) : 0;
-    const double mu = tangents > 0 ? p.mu[i] : 0, slip = slack.segment(i + 1, tangents).norm();
-    const double across = mu > 0 ? unit[i + 1] : 1;
-    const double push = lambda[i] * unit[i], gap = (slack[i] - opening * mu * slip) / unit[i], slides = slip / across;
-    const double spare = mu > 0 ? (mu * lambda[i] - lambda.segment(i + 1, tangents).norm()) * across : infinity;
+    const double mu = tangents > 0 ? p.mu[i] : 0, slip = mu > 0 ? slack.segment(i + 1, tangents).norm() : 0;
+    const double push = lambda[i] * unit[i], gap = (slack[i] - opening * mu * slip) / unit[i];
+    double slides = 0, spare = infinity;
+    if (mu > 0) {
+      const double across = unit[i + 1];
+      slides = slip / across;
+      spare = (mu * lambda[i] - lambda.segment(i + 1, tangents).norm()) * across;
+    }
     const bool holds = p.is_equality(i) || push > zero;
     off = std::max(off, p.is_equality(i) ? std::abs(gap) : std::max({-push, -gap, std::min(push, gap), -spare}));
     if (mu > 0 && holds) off = std::max(off, std::min(spare, slides));
@@ -63,7 +80,7 @@ SolutionDerivative::SolutionDerivative(const Problem& p, const Values& z, const 
     }
     for (Index r = i; r <= i + (mu > 0 ? tangents : 0); ++r) {
       held.push_back(r);
-      owner_.push_back(i);
+      owner_[at(r)] = i;
     }
     if (mu == 0) continue;
     mode_.push_back(slides > zero ? Mode::slide : Mode::stick);
@@ -72,26 +89,11 @@ SolutionDerivative::SolutionDerivative(const Problem& p, const Values& z, const 
     by_mu.segment(i + 1, tangents) = -lambda[i] / slip * slack.segment(i + 1, tangents);
   }
   held.insert(held.end(), ties.begin(), ties.end());
-  owner_.insert(owner_.end(), ties.begin(), ties.end());
   rows = Eigen::Map<const VectorX<Index>>(held.data(), std::ssize(held));
-  RowMatrix& J = change_.J;
-  J.resize(rows.size(), p.size());
-  J.resizeNonZeros(p.J.nonZeros());
-  int* end = J.outerIndexPtr();
-  for (const Index i : held) {  // entry by entry, Eigen takes a third of a derivative's time
-    const Index from = p.J.outerIndexPtr()[i], count = p.J.innerVector(i).nonZeros();
-    std::copy_n(p.J.innerIndexPtr() + from, count, J.innerIndexPtr() + *end);
-    std::copy_n(p.J.valuePtr() + from, count, J.valuePtr() + *end);
-    end[1] = *end + static_cast<int>(count);
-    ++end;
-    change_.kind.push_back(p.kind[at(i)]);
-  }
-  J.resizeNonZeros(*end);
-  change_.key.resize(held.size());
-  if (!mode_.empty()) change_.mu = p.mu(held);
-  lambda_ = lambda(held);
-  slack_ = slack(held);
-  by_mu_ = by_mu(held);
+  change_.c(rows).setZero();
+  if (mode_.empty()) return;
+  change_.mu = p.mu;
+  for (const Index i : ties) change_.mu[i] = 0;
 }
 
 SolutionDerivative::Change SolutionDerivative::along(const Values& dz_u, const Values& force, const Values& moved,
@@ -102,16 +104,14 @@ SolutionDerivative::Change SolutionDerivative::along(const Values& dz_u, const V
     if (v.size() == 0) return Vector::Zero(size);
     return v;
   };
-  Sides sides{whole(dz_u, n, "dz_u"), whole(force, n, "force"), whole(moved, m, "moved")(rows)};
-  Vector turned = Vector::Zero(rows.size());  // forces of what slides
-  if (dmu.size() > 0) {
-    turned = by_mu_.cwiseProduct(whole(dmu, m, "dmu")(owner_));
-    for (Index k = 0; k < rows.size(); ++k)
-      if (!change_.is_tangent(k)) sides.moved[k] += std::exchange(turned[k], 0);
-    sides.force += change_.J.transpose() * turned;
-  }
+  Sides sides{whole(dz_u, n, "dz_u"), whole(force, n, "force"), whole(moved, m, "moved")};
+  if (dmu.size() == 0) return solve(sides, false);
+  Vector turned = by_mu.cwiseProduct(whole(dmu, m, "dmu")(owner_));  // forces of what slides
+  for (const Index i : rows)
+    if (!change_.is_tangent(i)) sides.moved[i] += std::exchange(turned[i], 0);
+  sides.force += change_.J.transpose() * turned;
   Change change = solve(sides, false);
-  change.lambda(rows) += turned;
+  change.lambda += turned;
   return change;
 }
 
@@ -119,14 +119,14 @@ SolutionDerivative::Bars SolutionDerivative::back(const Values& z_bar, const Val
   const Index n = change_.M.cols(), m = by_mu.size();
   if (z_bar.size() != n || (lambda_bar.size() != 0 && lambda_bar.size() != m))
     throw std::invalid_argument("z_bar and lambda_bar should have one entry an unknown and a row");
-  Sides sides{Vector::Zero(n), z_bar, Vector::Zero(rows.size())};
-  if (lambda_bar.size() > 0) sides.moved = lambda_bar(rows);
+  Sides sides{Vector::Zero(n), z_bar, Vector::Zero(m)};
+  if (lambda_bar.size() > 0) sides.moved = lambda_bar;
   Bars bars{solve(sides, true), {}, Vector::Zero(m)};
   bars.z_u = change_.M * bars.change.z;
   if (!slides()) return bars;
   const Vector moved = change_.J * bars.change.z + sides.moved;
-  for (Index k = 0; k < rows.size(); ++k)
-    bars.mu[owner_[at(k)]] += by_mu_[k] * (change_.is_tangent(k) ? moved[k] : bars.change.lambda[rows[k]]);
+  for (const Index i : rows)
+    bars.mu[owner_[at(i)]] += by_mu[i] * (change_.is_tangent(i) ? moved[i] : bars.change.lambda[i]);
   return bars;
 }
 
@@ -137,9 +137,6 @@ SolutionDerivative::Change SolutionDerivative::solve(const Sides& sides, bool ba
     change.z += more.z;
     change.lambda += more.lambda;
   }
-  Vector own = Vector::Zero(by_mu.size());
-  own(rows) = change.lambda;
-  change.lambda.swap(own);
   return change;
 }
 
@@ -149,34 +146,34 @@ SolutionDerivative::Sides SolutionDerivative::left(const Sides& sides, const Cha
   const Wide z = change.z.cast<long double>(), own = change.lambda.cast<long double>();
   Wide force =
       sides.force.cast<long double>() + change_.M.cast<long double>() * (sides.z_u.cast<long double>() - z).eval();
-  for (Index k = 0; k < rows.size(); ++k)
-    for (RowMatrix::InnerIterator it(change_.J, k); it; ++it) force[it.col()] += it.value() * own[k];
+  for (const Index i : rows)
+    for (RowMatrix::InnerIterator it(change_.J, i); it; ++it) force[it.col()] += it.value() * own[i];
   Wide missed = change_.J.cast<long double>() * z + sides.moved.cast<long double>();
   const double opening = back ? 1 : ConeLaw::of(change_.law).opening();
-  for (Index k = 0, contact = 0; k < rows.size(); ++k) {
-    if (!rubs(k) || mode_[at(contact++)] != Mode::slide) continue;
-    const Index tangents = change_.tangents(k);
-    const auto along = by_mu_.segment(k + 1, tangents).cast<long double>();
-    auto slip = missed.segment(k + 1, tangents);
-    missed[k] += opening * change_.mu[k] * along.dot(slip) / along.norm();
+  std::size_t contact = 0;
+  for (const Index i : rows) {
+    if (!rubs(i) || mode_[contact++] != Mode::slide) continue;
+    const Index tangents = change_.tangents(i);
+    const auto along = by_mu.segment(i + 1, tangents).cast<long double>();
+    auto slip = missed.segment(i + 1, tangents);
+    missed[i] += opening * change_.mu[i] * along.dot(slip) / along.norm();
     slip.setZero();
   }
   return {Vector::Zero(z.size()), force.cast<double>(), missed.cast<double>()};
 }
 
 SolutionDerivative::Change SolutionDerivative::once(const Sides& sides, bool back) {
-  thread_local Workspace work;
+  Workspace& work = workspace();
   ConeProgram& program = work.program;
   ModeEquations& equations = work.equations;
-  const double size = sides.z_u.lpNorm<1>() + sides.force.lpNorm<1>() + sides.moved.lpNorm<1>();
+  const double size = sides.z_u.lpNorm<1>() + sides.force.lpNorm<1>() + sides.moved(rows).lpNorm<1>();
   if (size != 0 && !(size < tolerances::derivative_length && 1 / size < tolerances::derivative_length))
     throw std::invalid_argument("the squares of the direction's entries are beyond doubles");
   constexpr double most_seconds = 60;
   const Deadline deadline(most_seconds);
   if (std::exchange(work.owner, 0) != number_) {
     change_.z_u.setZero(change_.M.cols());
-    change_.c.setZero(rows.size());
-    const bool built = program.build(change_, ConeProgram::Want::any, {}, deadline, work.answer);
+    const bool built = program.build(change_, ConeProgram::Want::any, {}, deadline, work.answer, &work.form);
     if (!built && work.answer.status == Status::bad_input) throw std::invalid_argument(work.answer.message.c_str());
     if (!built || program.cones() != std::ssize(mode_)) throw std::invalid_argument("a row without entries pushes");
     equations.begin(program);
@@ -190,7 +187,7 @@ SolutionDerivative::Change SolutionDerivative::once(const Sides& sides, bool bac
   change_.z_u = down * sides.force;
   program.move_freely(change_.z_u);
   change_.z_u += down * sides.z_u;
-  change_.c = -down * sides.moved;
+  change_.c(rows) = -down * sides.moved(rows);
   if (!program.restate(change_, deadline)) throw std::invalid_argument("a row without entries pushes");
   Vector &v = work.v, &y = work.y, &s = work.s;
   bool is_settled = false, has_factor = work.is_whole && (work.is_back == back || !program.law().lifts());
@@ -225,7 +222,7 @@ SolutionDerivative::Change SolutionDerivative::once(const Sides& sides, bool bac
     const double zero = tolerances::derivative_still * program.scale(v);
     for (Index i = 3 * program.cones(); i < program.rows(); ++i) {
       char& pushes = equations.active[at(i - 3 * program.cones())];
-      if (program.source(i) < rows.size() - std::ssize(ties) || !((pushes ? y[i] : s[i]) < -zero)) continue;
+      if (!std::ranges::binary_search(ties, program.source(i)) || !((pushes ? y[i] : s[i]) < -zero)) continue;
       pushes = !pushes;
       is_settled = false;
     }

@@ -25,6 +25,10 @@ class SolutionDerivative {
   std::vector<Index> ties;     // those that neither push nor open
   Vector by_mu;                // of a contact that slides: how its gap and its forces follow its mu
 
+  // Of the thread: where a solver may leave what it made of jointed bodies (SolveOptions::form), which then is not made
+  // again. The bits are the same with it and without.
+  static NullSpaceForm& form();
+
   // z: n; lambda: m. Throws std::invalid_argument for other sizes.
   SolutionDerivative(const Problem& problem, const Values& z, const Values& lambda);
   bool slides() const { return std::ranges::find(mode_, Mode::slide) != mode_.end(); }
@@ -50,20 +54,22 @@ class SolutionDerivative {
 
  private:
   using Mode = ModeEquations::Mode;
-  // Of `rows`, not of all.
   struct Sides {
     Vector z_u, force, moved;
   };
   Change solve(const Sides& sides, bool back);
   Change once(const Sides& sides, bool back);
   Sides left(const Sides& sides, const Change& change, bool back) const;
-  bool rubs(Index k) const { return change_.has_tangents() && change_.mu[k] > 0 && change_.tangents(k) > 0; }
+  // Is it the first row of a contact with friction?
+  bool rubs(Index i) const {
+    return change_.has_tangents() && !change_.is_tangent(i) && change_.mu[i] > 0 && change_.tangents(i) > 0;
+  }
 
-  Problem change_;  // whose answer is the change: the rows that push, and the ties
+  Problem change_;  // whose answer is the change: c = -Inf but of the rows that push and the ties
   std::vector<Mode> mode_;
-  Vector lambda_, slack_, by_mu_;  // of its rows
-  std::vector<Index> owner_;       // of its rows the contact's first, all of the problem
-  long number_;                    // no other has it
+  Vector lambda_, slack_;
+  std::vector<Index> owner_;  // of a row that pushes the contact's first
+  long number_;               // no other has it
   std::optional<bool> is_unique_;
 };
 

@@ -21,6 +21,7 @@ NOT_UNIQUE = "forces are not unique: z has a derivative, and lambda has none"
 COMBINATIONS = 512  # of modes of ties that are tried
 NAMES = ("M", "z_u", "J", "c", "mu")
 UP_TO = 2.0**-36  # what sums of products of doubles may lose, relative, where terms are not negative
+DOUBLE = numpy.dtype(float)
 AGREE = 2.0**-30  # relative: derivatives of two combinations that differ by less are one number
 
 
@@ -644,7 +645,7 @@ def numbers(value, name):
 
 
 def finite(value, name, size):
-    v = numbers(value, name)
+    v = value if type(value) is numpy.ndarray and value.dtype is DOUBLE else numbers(value, name)
     if v.shape != (size,) or not (math.isfinite(v @ v) or numpy.isfinite(v).all()):  # the first is cheap, and may overflow
         raise ValueError(f"{name} should have {size} finite entries")
     return v

@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <thread>
+
 #include <zwang/bench/scenes/catalog.h>
 #include <zwang/solvers/friction/solution_derivative.h>
 #include <zwang/solvers/registry.h>
@@ -65,6 +67,39 @@ INSTANTIATE_TEST_SUITE_P(Scenes, Smooth,
                                          Case{"hand(contacts=16,mu=0.5)", "cone", Law::convex},
                                          Case{"hand(contacts=16,mu=0.5)", "cone", Law::coulomb},
                                          Case{"pile(spheres=40,mu=0.5)", "cone", Law::convex}));
+
+// What a solver left of a hand's joints, or of those of a hand that is another by one entry, changes no bit.
+TEST(SolutionDerivativeByTheFormOfTheSolve, HasTheSameBits) {
+  for (const char* scene : {"hand(contacts=16)", "hand(contacts=64)", "chain"}) {
+    const Problem p = make_scenes(scene).at(0).problem;
+    Problem other = p;
+    other.J.coeffs()[0] += 0x1p-40;
+    const Vector dz_u = random_vector(p.size(), 6);
+    Vector alone, after_solve, again, after_other;
+    const Solution at = make_solver("dual_active_set").solve(p, tight);
+    const auto derive = [&](Vector& dz) {
+      dz = SolutionDerivative(p, at.z, at.lambda).along(dz_u, none, none, none).z;
+    };
+    const auto solve = [](const Problem& problem) {
+      SolveOptions leaving = tight;
+      leaving.form = &SolutionDerivative::form();
+      return make_solver("dual_active_set").solve(problem, leaving);
+    };
+    std::thread([&] { derive(alone); }).join();  // a thread begins without a form
+    std::thread([&] {
+      EXPECT_EQ(solve(p).z, at.z);
+      EXPECT_TRUE(SolutionDerivative::form().take(p));
+      derive(after_solve);
+      derive(again);
+      solve(other);
+      EXPECT_FALSE(SolutionDerivative::form().take(p));
+      derive(after_other);
+    }).join();
+    EXPECT_EQ(after_solve, alone) << scene;
+    EXPECT_EQ(again, alone) << scene;
+    EXPECT_EQ(after_other, alone) << scene;
+  }
+}
 
 // A block rests on two walls without pushing one of them: x >= 0 pushes, y >= 0 is a tie.
 Problem corner() {
