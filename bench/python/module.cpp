@@ -288,6 +288,7 @@ PYBIND11_MODULE(_zwang, m) {
       .def_readonly("ties", &SolutionDerivative::ties)
       .def_readonly("by_mu", &SolutionDerivative::by_mu)
       .def_property_readonly("slides", &SolutionDerivative::slides)
+      .def_readonly("ties_rub", &SolutionDerivative::ties_rub)
       .def(
           "along",
           [](SolutionDerivative& own, const Values& dz_u, const Values& force, const Values& moved, const Values& dmu) {

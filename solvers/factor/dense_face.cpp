@@ -220,10 +220,14 @@ Index DenseFace::largest_free(const double* column) const {
 
 void DenseFace::solve(Vector& x) {
   if (!symmetric_) return solve_lu(x);
-  for (Index j = 0; j < size_; ++j) {
-    const double* own = H_.col(j).data();
-    x[j] *= reciprocal_[j];
-    for (Index i = j + 1; i < size_; ++i) x[i] = multiply_add(-x[j], own[i], x[i]);
+  for (Index begin = 0; begin < size_; begin += panel) {
+    const Index end = std::min(begin + panel, size_);
+    for (Index j = begin; j < end; ++j) {
+      const double* own = H_.col(j).data();
+      x[j] *= reciprocal_[j];
+      for (Index i = j + 1; i < end; ++i) x[i] = multiply_add(-x[j], own[i], x[i]);
+      if (end < size_) lanes::add(-x[j], own + end, &x[end], padded_ - end);
+    }
   }
   for (Index j = size_ - 1; j >= 0; --j)
     x[j] = (x[j] - H_.col(j).segment(j + 1, size_ - j - 1).dot(x.segment(j + 1, size_ - j - 1))) * reciprocal_[j];

@@ -76,6 +76,7 @@ SolutionDerivative::SolutionDerivative(const Problem& p, const Values& z, const 
     if (!holds && gap > zero) continue;
     if (!holds || (spare <= zero && slides <= zero)) {
       ties.push_back(i);
+      ties_rub = ties_rub || mu > 0;
       continue;
     }
     for (Index r = i; r <= i + (mu > 0 ? tangents : 0); ++r) {
@@ -190,6 +191,17 @@ SolutionDerivative::Change SolutionDerivative::once(const Sides& sides, bool bac
   change_.c(rows) = -down * sides.moved(rows);
   if (!program.restate(change_, deadline)) throw std::invalid_argument("a row without entries pushes");
   Vector &v = work.v, &y = work.y, &s = work.s;
+  const auto flip = [&](double share) {  // of the ties that pull or are violated; how many
+    const double zero = share * program.scale(v);
+    Index count = 0;
+    for (Index i = 3 * program.cones(); i < program.rows(); ++i) {
+      char& pushes = equations.active[at(i - 3 * program.cones())];
+      if (!std::ranges::binary_search(ties, program.source(i)) || !((pushes ? y[i] : s[i]) < -zero)) continue;
+      pushes = !pushes;
+      ++count;
+    }
+    return count;
+  };
   bool is_settled = false, has_factor = work.is_whole && (work.is_back == back || !program.law().lifts());
   constexpr int most_rounds = 8;
   for (int round = 0; !is_settled && round < most_rounds; ++round) {
@@ -215,17 +227,12 @@ SolutionDerivative::Change SolutionDerivative::once(const Sides& sides, bool bac
       equations.step(program, v, y);
       program.slack(v, s);
       last = std::exchange(length, program.length(equations.dv));
-    } while (length > 0 &&
+      // Ties that the first step finds wrong by more than it is off are not worth another.
+      is_settled = ties.empty() || last < infinity || flip(tolerances::promise_softness) == 0;
+    } while (is_settled && length > 0 &&
              (last == infinity ||
               (length * length > tolerances::derivative_ends * program.scale(v) * last && !(length > last / 2))));
-    is_settled = true;
-    const double zero = tolerances::derivative_still * program.scale(v);
-    for (Index i = 3 * program.cones(); i < program.rows(); ++i) {
-      char& pushes = equations.active[at(i - 3 * program.cones())];
-      if (!std::ranges::binary_search(ties, program.source(i)) || !((pushes ? y[i] : s[i]) < -zero)) continue;
-      pushes = !pushes;
-      is_settled = false;
-    }
+    is_settled = is_settled && flip(tolerances::derivative_still) == 0;
   }
   if (is_settled && !(equations.missed(program, s) <= tolerances::derivative_meets * program.scale(v)))
     throw std::invalid_argument("rows that push do not hold together");

@@ -23,6 +23,7 @@ class SolutionDerivative {
   double off = 0, motion = 0;  // by how much z and lambda miss an answer; both with the diagonal of M for M
   VectorX<Index> rows;         // that push, those of a contact together, and the ties
   std::vector<Index> ties;     // those that neither push nor open
+  bool ties_rub = false;       // has one of them friction?
   Vector by_mu;                // of a contact that slides: how its gap and its forces follow its mu
 
   // Of the thread: where a solver may leave what it made of jointed bodies (SolveOptions::form), which then is not made

@@ -13,15 +13,24 @@ from .gradients import NAMES, NOT_UNIQUE, Change, Derivative, Parts, answer, fin
 NONE = numpy.empty(0)
 
 
-class QuickDerivative(Derivative):
+class Kink:
+    """The rows of a kink, named when asked."""
+
+    @property
+    def kink_names(self):
+        names = self.problem.row_names if self.kink else []
+        return [names[i] for i in self.kink]
+
+
+class QuickDerivative(Kink, Derivative):
     enclosure = enclosure_lambda = reach = reach_row = free = None
 
-    def __init__(self, dz, dlambda, kink, names):
-        self.dz, self.dlambda, self.kink, self.kink_names, self.one_sided = dz, dlambda, kink, names, bool(kink)
+    def __init__(self, problem, dz, dlambda, kink):
+        self.problem, self.dz, self.dlambda, self.kink, self.one_sided = problem, dz, dlambda, kink, bool(kink)
         self.note = NOT_UNIQUE if dlambda is None else ""
 
 
-class QuickGradient:
+class QuickGradient(Kink):
     """The derivatives of one solution, as zwang.gradient_of(..., proof=False) makes it: as Gradient, less enclosure and reach."""
 
     def __init__(self, problem, solution, laid=None):
@@ -33,10 +42,7 @@ class QuickGradient:
                 self.keeps = _zwang.SolutionDerivative(problem, *self.given)
         except ValueError as bad:
             raise ValueError(f"no gradient: {bad}") from None
-        self.kink, self.kink_names = self.keeps.ties, []
-        if self.kink:
-            names = problem.row_names
-            self.kink_names = [names[i] for i in self.kink]
+        self.kink = self.keeps.ties
 
     def __repr__(self):
         return f"<zwang.Gradient of {self.problem.name}, without proof: {'kink: ' + ', '.join(self.kink_names) if self.kink else 'smooth'}>"
@@ -45,12 +51,6 @@ class QuickGradient:
     def given(self):
         solution = self.solution
         return (solution.z, solution.lambda_) if isinstance(solution, _zwang.Solution) else answer(self.problem, solution)
-
-    @functools.cached_property
-    def has_number(self):
-        """Is no friction at a kink, and nothing slides beside it?"""
-        mu, tangent = self.problem.mu, self.problem.tangent
-        return not self.keeps.slides and not any(mu[i] > 0 and i + 1 < len(tangent) and tangent[i + 1] for i in self.kink)
 
     def one_sided(self, z_u, force, moved):
         """Of rows that neither push nor open: Gauss' problem once more, in which they may do either."""
@@ -94,7 +94,7 @@ class QuickGradient:
             z, lambda_ = self.given
             moved, dz_u, dmu = change.dJ @ z - change.dc, change.dz_u, change.dmu
             force = change.dM @ (p.z_u - z) + change.dJ.T @ lambda_
-        if self.kink and not self.has_number:
+        if self.kink and (self.keeps.slides or self.keeps.ties_rub):
             raise ValueError("no gradient: a kink of friction, or beside what slides: only a proof tells (proof=True)")
         try:
             dz, dlambda, unique, settled, small = self.keeps.along(dz_u, force, moved, dmu)
@@ -105,7 +105,7 @@ class QuickGradient:
         self.require_unique(unique)
         if not self.unique_forces and (bends or len(moved) and moved[self.keeps.rows].any()):
             raise ValueError("no gradient: forces are not unique, and J or c change: only a proof tells (proof=True)")
-        return QuickDerivative(dz, dlambda if self.unique_forces else None, self.kink, self.kink_names)
+        return QuickDerivative(p, dz, dlambda if self.unique_forces else None, self.kink)
 
     def vjp(self, z_bar, lambda_bar=None, wrt=NAMES):
         """As Gradient.vjp."""
