@@ -9,6 +9,7 @@ namespace zwang {
 namespace {
 
 constexpr Index most_dense = 1000;  // dense where the rows are full, or where that is asked for
+constexpr Index few_bodies = 24;    // unknowns: dense rows are as quick for a factor or two
 
 bool rows_are_full(const Problem& p) { return 4 * p.J.nonZeros() > p.rows() * p.size(); }
 
@@ -169,7 +170,8 @@ bool ConeProgram::build(const Problem& p, Want want, const SolveOptions& options
   const bool joints = want != Want::way_back && has_equalities(p) && (has_form() || make_form()) &&
                       joints_.freedom() > 0 && joints_.freedom() <= tolerances::few_unknowns &&
                       joints_.smallest_pivot() >= tolerances::clear_pivot;
-  const bool full = p.size() <= tolerances::few_unknowns || (can_be_dense(p) && (dense || rows_are_full(p)));
+  const Index few = want == Want::sparse ? few_bodies : tolerances::few_unknowns;
+  const bool full = p.size() <= few || (can_be_dense(p) && (dense || rows_are_full(p)));
   form_ = joints ? Form::joints : full ? Form::whitened : Form::sparse;
   if (form_ == Form::joints) {
     solution.reset(p.size(), p.rows());

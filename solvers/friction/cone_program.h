@@ -28,6 +28,7 @@ class ConeProgram {
   enum class Want {
     any,
     dense,     // rows, whatever they are, where can_be_dense()
+    sparse,    // rows that are not full keep their zeros, for a factor or two
     way_back,  // joints stay, so that read() knows the way back from z
     normals    // every contact is taken for one without friction
   };

@@ -174,7 +174,7 @@ SolutionDerivative::Change SolutionDerivative::once(const Sides& sides, bool bac
   const Deadline deadline(most_seconds);
   if (std::exchange(work.owner, 0) != number_) {
     change_.z_u.setZero(change_.M.cols());
-    const bool built = program.build(change_, ConeProgram::Want::any, {}, deadline, work.answer, &work.form);
+    const bool built = program.build(change_, ConeProgram::Want::sparse, {}, deadline, work.answer, &work.form);
     if (!built && work.answer.status == Status::bad_input) throw std::invalid_argument(work.answer.message.c_str());
     if (!built || program.cones() != std::ssize(mode_)) throw std::invalid_argument("a row without entries pushes");
     equations.begin(program);
