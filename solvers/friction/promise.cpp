@@ -69,8 +69,9 @@ bool Promise::is_due(double work) {
 bool Promise::prepare() {
   if (ready_ || failed_) return ready_;
   failed_ = true;
-  if (program_ == &own_ &&
-      !own_.build(*problem_, ConeProgram::Want::any, *options_, Deadline(options_->time_limit), scratch_))
+  using Want = ConeProgram::Want;
+  const Want want = problem_->has_tangents() ? Want::any : Want::sparse;
+  if (program_ == &own_ && !own_.build(*problem_, want, *options_, Deadline(options_->time_limit), scratch_))
     return false;
   const auto n = static_cast<double>(program_->face().unknowns()), m = static_cast<double>(program_->rows());
   constexpr double lanes = 4;  // multiplications of a dense factor at a time
