@@ -1,5 +1,7 @@
 #pragma once
 
+#include <limits>
+
 #include <zwang/core/problem/solver.h>
 
 namespace zwang {
@@ -15,7 +17,9 @@ class Prover {
   // What was asked for of a motion of that length, both in the M-norm in units of 2^exponent. 0: nothing, or not known.
   virtual double enough(double motion, int exponent) const = 0;
   // May a look be had now, that all of them cost a tenth of the method at the most? work: its multiplications so far.
-  virtual bool is_due(double work) = 0;
+  // left: what the method takes its iterate to be off, relative to the motion. Where that is what was asked for, one
+  // look is due at once: it spares the method's end, and the look that this would need.
+  virtual bool is_due(double work, double left = std::numeric_limits<double>::infinity()) = 0;
   // From the problem's multipliers. Where the bound is what was asked for, the solution is complete, and solved.
   virtual bool holds(const Vector& lambda, Solution& solution) = 0;
   // The bound with which an answer ends that has none yet.

@@ -42,7 +42,7 @@ bool DualIteration::runs_off() {
   return false;
 }
 
-bool DualIteration::step_done() {
+bool DualIteration::step_done(double left) {
   ++solution_->iterations;
   if (options_->observe) {
     write();
@@ -50,7 +50,7 @@ bool DualIteration::step_done() {
   }
   constexpr double per_entry = 4;
   const double work = per_entry * solution_->iterations * static_cast<double>(program.G().nonZeros());
-  if (!prover_ || !prover_->is_due(work)) return false;
+  if (!prover_ || !prover_->is_due(work, left)) return false;
   write();
   return prover_->holds(solution_->lambda, *solution_);
 }

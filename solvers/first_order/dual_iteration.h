@@ -26,7 +26,8 @@ class DualIteration {
   // False at an end that is none of the method's own, which the solution then names.
   bool goes_on(int limit);
   // Counts the step and shows it to the observer. True where the accuracy that was asked for is proven; then written.
-  bool step_done();
+  // left: as Prover::is_due's.
+  bool step_done(double left = std::numeric_limits<double>::infinity());
   void write() { program.write(*problem_, y, lambda, *solution_); }
 
  private:

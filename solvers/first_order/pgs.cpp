@@ -21,10 +21,12 @@ void Pgs::solve(const Problem& problem, const SolveOptions& options, Solution& s
       if (step != 0) program.add(i, step, y);
     }
     contraction.record((y - before).norm());
-    if (iteration.step_done()) return;
-
     const double scale = program.scale(y), tolerance = options.tolerance * scale;
     constexpr double rounding = 8 * std::numeric_limits<double>::epsilon();
+    constexpr double unknown = std::numeric_limits<double>::infinity();
+    const bool asks = options.has_accuracy() && scale > 0;
+    if (iteration.step_done(asks ? contraction.distance_to_go(rounding * scale) / scale : unknown)) return;
+
     if (largest <= tolerance && contraction.distance_to_go(rounding * scale) <= tolerance) {
       program.motion(lambda, y);
       if (program.natural_residual(y, lambda) <= options.tolerance) {

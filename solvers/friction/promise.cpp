@@ -40,7 +40,7 @@ void Promise::begin(const Problem& problem, const SolveOptions& options, ConePro
   program_ = rows;
   modes_ = equations ? equations : &own_modes_;
   options_ = &options;
-  ready_ = failed_ = false;
+  ready_ = failed_ = arrived_ = false;
   spent_ = 0;
   if (!options.has_accuracy()) return;
   lightest_ = options.speed_accuracy > 0 ? lightest(problem) : 0;
@@ -57,9 +57,12 @@ double Promise::enough(double motion, int exponent) const {
                                       : options_->accuracy * motion;
 }
 
-bool Promise::is_due(double work) {
-  if (!options_->has_accuracy() || failed_ || work < next_look_) return false;
-  if (!ready_ && (!prepare() || work < share * (spent_ + price_))) return false;
+bool Promise::is_due(double work, double left) {
+  if (!options_->has_accuracy() || failed_) return false;
+  const bool arrives = !arrived_ && left <= options_->accuracy;
+  arrived_ = arrived_ || arrives;
+  if (!arrives && work < next_look_) return false;
+  if (!ready_ && (!prepare() || (!arrives && work < share * (spent_ + price_)))) return false;
   spent_ += price_;
   next_look_ = std::max(rarer * work, share * (spent_ + price_));
   return true;

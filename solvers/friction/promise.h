@@ -31,7 +31,7 @@ class Promise final : public Prover {
   void begin(const Problem& problem, const SolveOptions& options, ConeProgram* rows,
              ModeEquations* equations = nullptr);
   double enough(double motion, int exponent) const override;
-  bool is_due(double work) override;
+  bool is_due(double work, double left = infinity) override;
   bool holds(const Vector& lambda, Solution& solution) override;
   bool holds_at(const Vector& y, Solution& solution);  // of the multipliers of `rows`
   bool holds_at(const Vector& y);                      // and where: v(), y()
@@ -68,7 +68,7 @@ class Promise final : public Prover {
   const SolveOptions* options_ = nullptr;
   ConeProgram own_, *program_ = nullptr;
   ModeEquations own_modes_, *modes_ = nullptr;
-  bool ready_ = false, failed_ = false;
+  bool ready_ = false, failed_ = false, arrived_ = false;
   double factor_rounding_ = 0, row_rounding_ = 0;  // more where M ties unknowns to each other
   double spent_ = 0, price_ = 0, next_look_ = 0, lightest_ = 0;
   double half_ = 0, gap_ = 0;  // of the bound: |r| / 2, and the other terms
