@@ -10,17 +10,15 @@ namespace {
 constexpr int most_steps = 60;    // of an interior point from one start
 constexpr int most_coupled = 60;  // and, where the shift is differentiated, with Newton's steps between them
 // Where the shift is differentiated, the first try: the interior point alone ends in fewer where a problem is not hard,
-// and the central path costs several times as much a step. (20 send one frame of a hand in four along the path that
-// ends in 45 here.)
+// and the central path costs several times as much a step.
 constexpr int most_quick = 45;
 // And behind modes that failed: contacts that depend on each other keep the gap from falling to where they show again.
 constexpr int most_behind_modes = 5;
 constexpr Index most_unknowns = 20'000;  // of sparse LU: of more a factor may take many seconds
 constexpr int most_modes = 8;            // Newton steps from an iterate inside the cones
 // And from an earlier answer: under Coulomb's law, where the interior point is soon done, too, a few, and more while
-// they arrive. (32 at once are lost on the multipliers of a frame whose contacts were others; 10 alone end two frames
-// of a hand in ten just before the answer; more from the best of them repeat what led away from it.)
-constexpr int most_warm = 32, few_warm = 10, more_warm = 6;
+// they arrive: more are lost on the multipliers of a frame whose contacts were others. And from what paths came near.
+constexpr int most_warm = 32, few_warm = 10, more_warm = 6, most_behind_path = 16;
 // Convex problems where no start led to an answer; from when on the slips go half of the way, for some go to and fro.
 constexpr int most_rounds = 40, whole_rounds = 24;
 // Sweeps over the contacts of sparse rows, a few a factorization's time, and Newton steps from where they are.
@@ -54,11 +52,12 @@ ConeStarts::End ConeStarts::from_rest(const Job& job, double) {
   return modes_.residual.natural <= tolerances::cone_exact * program_.scale(modes_.v) ? End::accepted : End::failed;
 }
 
-void ConeStarts::run_modes(const Job& job, int most, int more) {
+bool ConeStarts::run_modes(const Job& job, int most, int more) {
   const double size = program_.scale(modes_.v);
   const int left = job.options.max_iterations - job.solution.iterations;
   modes_.run(program_, tolerances::cone_exact * size, job.options.tolerance * size, std::min(most, left),
              std::min(most + more, left), job.deadline, job.solution.iterations);
+  return takes(job, modes_.residual, modes_.v, modes_.y, modes_.settled);
 }
 
 ConeStarts::End ConeStarts::from_warm(const Job& job, double) {
@@ -68,22 +67,25 @@ ConeStarts::End ConeStarts::from_warm(const Job& job, double) {
   program_.face().force(modes_.y, modes_.v);
   modes_.begin(program_, modes_.v, modes_.y);
   if (modes_.residual.natural > tolerances::cone_other_frame * program_.scale(modes_.v)) return End::failed;
-  if (program_.law().lifts())
-    run_modes(job, few_warm, more_warm);
-  else
-    run_modes(job, most_warm);
-  return takes(job, modes_.residual, modes_.v, modes_.y, modes_.settled) ? End::accepted : End::failed;
+  const bool lifts = program_.law().lifts();
+  return run_modes(job, lifts ? few_warm : most_warm, lifts ? more_warm : 0) ? End::accepted : End::failed;
 }
 
 ConeStarts::End ConeStarts::from_start(const Job& job, double start) {
   if (start != first_start && can_couple(job)) return End::failed;
-  if (start == first_start || !is_near(job.best)) begun_ = job.solution.iterations;
+  Best& best = job.best;
+  if (start == first_start && program_.is_dense() && inside_.follows() && arrives(best, tolerances::cone_near_behind)) {
+    program_.face().force(best.y, modes_.v);  // the best may be a guess, whose motion is not that of its forces
+    modes_.begin(program_, modes_.v, best.y, true);
+    if (run_modes(job, most_behind_path)) return End::accepted;
+  }
+  if (start == first_start || !is_near(best)) begun_ = job.solution.iterations;
   return job.solution.iterations - begun_ < most_coupled ? from_inside(job, start) : End::failed;
 }
 
 ConeStarts::End ConeStarts::from_few_steps(const Job& job, double start) {
-  const bool arrived = job.best.natural <= tolerances::cone_arrives * program_.scale(job.best.v);
-  if (!program_.couples() || (arrived && job.solution.iterations > 0)) return End::failed;
+  if (!program_.couples() || (arrives(job.best, tolerances::cone_arrives) && job.solution.iterations > 0))
+    return End::failed;
   begun_ = job.solution.iterations;
   return from_inside(job, start, Way::quick);
 }
@@ -116,8 +118,7 @@ bool ConeStarts::couple(const Job& job) {
 // guesses, which may fit the modes to the last digit while the motion is not that of the forces: a step makes it so.
 // (Where it is made so before, the modes may be others, and a hand that slides has frames without an answer.)
 bool ConeStarts::end_is_near(const Job& job, double& near) {
-  if (!inside_.sees_end()) return false;
-  if (!inside_.v_end.allFinite() || !inside_.y_end.allFinite()) return false;
+  if (!inside_.sees_end() || !inside_.v_end.allFinite() || !inside_.y_end.allFinite()) return false;
   modes_.begin(program_, inside_.v_end, inside_.y_end);
   if (modes_.residual.natural <= job.options.tolerance * program_.scale(modes_.v) && !modes_.step(program_))
     return false;
@@ -178,10 +179,8 @@ ConeStarts::End ConeStarts::from_inside(const Job& job, double start, Way way) {
           if (promise_.holds_at(inside_.y, solution)) return End::written;
           promising = promising_from * inside_.gap();
         }
-        if (program_.is_dense()) continue;
-        const ConeProgram::Residual own = program_.residual(inside_.y, inside_.s);
-        if (inside_.residual() <= options.tolerance * program_.scale(inside_.v) &&
-            takes(job, own, inside_.v, inside_.y))
+        if (!program_.is_dense() && inside_.residual() <= options.tolerance * program_.scale(inside_.v) &&
+            takes(job, program_.residual(inside_.y, inside_.s), inside_.v, inside_.y))
           return End::accepted;
         continue;
       }
@@ -191,8 +190,7 @@ ConeStarts::End ConeStarts::from_inside(const Job& job, double start, Way way) {
     if (way != Way::free && !in_regime) return End::failed;
     if (finish) {
       if (!sees) modes_.begin(program_, inside_);
-      run_modes(job, most_modes);
-      if (takes(job, modes_.residual, modes_.v, modes_.y, modes_.settled)) return End::accepted;
+      if (run_modes(job, most_modes)) return End::accepted;
     } else if (inside_.residual() <= accepted_error(options.tolerance) * program_.scale(inside_.v) &&
                takes(job, program_.residual(inside_.y, inside_.s), inside_.v, inside_.y)) {
       if (!program_.law().lifts()) return End::accepted;
@@ -222,12 +220,13 @@ ConeStarts::End ConeStarts::from_sweeps(const Job& job, double) {
     if (sweep % sweeps_a_look != 0) continue;
     modes_.begin(program_, v, y);
     if (!(modes_.residual.natural <= tolerances::cone_swept * program_.scale(v))) continue;
-    run_modes(job, most_swept);
-    if (takes(job, modes_.residual, modes_.v, modes_.y, modes_.settled)) return End::accepted;
+    if (run_modes(job, most_swept)) return End::accepted;
     if (job.solution.iterations >= job.options.max_iterations) return End::limit;
   }
   return End::failed;
 }
+
+bool ConeStarts::arrives(const Best& best, double within) { return best.natural <= within * program_.scale(best.v); }
 
 // An answer that nothing certifies yet?
 bool ConeStarts::is_near(const Best& best) {
@@ -298,16 +297,15 @@ ConeStarts::End ConeStarts::from_convex_problems(const Job& job, double start) {
     program_.slack(of_slips_.v, s_);
     if (!none) {
       modes_.begin(program_, of_slips_.v, of_slips_.y);
-      run_modes(job, most_modes);
-      if (takes(job, modes_.residual, modes_.v, modes_.y, modes_.settled) && modes_stay(options)) {
+      if (run_modes(job, most_modes) && modes_stay(options)) {
         solution.fallback = true;
         return End::accepted;
       }
     }
     for (Index k = 0; k < program_.cones(); ++k) {
       const double slip = law.lift * std::hypot(s_[3 * k + 1], s_[3 * k + 2]);
-      const double step = round < whole_rounds ? 1 : 0.5;
-      slips_[k] = none ? std::max(2 * slips_[k], slip) : slips_[k] + step * (slip - slips_[k]);
+      slips_[k] =
+          none ? std::max(2 * slips_[k], slip) : slips_[k] + (round < whole_rounds ? 1 : 0.5) * (slip - slips_[k]);
     }
   }
   return End::failed;

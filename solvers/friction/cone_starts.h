@@ -57,6 +57,7 @@ class ConeStarts {
   // Each fails, too, where it does not apply. `start`: the size of an interior point's.
   End from_rest(const Job& job, double);  // z_u, where it meets the rows to rounding
   End from_warm(const Job& job, double);
+  // Behind a path of dense rows, where something came near, Newton's method on the modes goes on from that first.
   End from_start(const Job& job, double start);
   // Coulomb's law, where few steps of the interior point are enough. (Where Newton's method on the modes came near from
   // an earlier answer and did not settle, contacts depend on each other, and they seldom are.)
@@ -76,9 +77,10 @@ class ConeStarts {
 
  private:
   bool end_is_near(const Job& job, double& near);
-  void run_modes(const Job& job, int most, int more = 0);
+  bool run_modes(const Job& job, int most, int more = 0);
   bool modes_stay(const SolveOptions& options);
   bool is_near(const Best& best);
+  bool arrives(const Best& best, double within);
   bool all_but_rests(const Best& best);
   bool takes(const Job& job, const ConeProgram::Residual& residual, const Vector& v, const Vector& y,
              bool settled = false);

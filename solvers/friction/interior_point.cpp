@@ -256,9 +256,7 @@ void InteriorPoint::bend(const ConeProgram& program, double part) {
 
 // How far the iterate is from the path at that gap, in units of the way to the boundary.
 double InteriorPoint::off_path(const ConeProgram& program, double gap) const {
-  constexpr double outside = std::numeric_limits<double>::infinity();
   double worst = 0;
-  const auto left = [&](Index i) { return left_[i] - gap * left_share_[i]; };
   const Index nc = program.cones();
   for (Index k = 0; k < nc; k += few) {
     const Three<Pack> Y = cones(y, k, nc), W = cones(w, k, nc), share = cones(left_share_, k, nc);
@@ -272,15 +270,15 @@ double InteriorPoint::off_path(const ConeProgram& program, double gap) const {
     const Pack of_gap = norm(product) / Pack(gap),
                of_left = norm(scaling.inverse_times(off.data())) / Pack(std::sqrt(gap));
     for (Index i = 0; i < std::min(few, nc - k); ++i) {
-      if (!(least_y.data()[i] > 0 && least_w.data()[i] > 0)) return outside;
+      if (!(least_y.data()[i] > 0 && least_w.data()[i] > 0)) return infinity;
       worst = std::max({worst, of_gap.data()[i], of_left.data()[i]});
     }
   }
   for (Index r = 0; r < program.rays(); ++r) {
     const Index i = 3 * program.cones() + r;
     if (program.is_equality(r)) continue;
-    if (!(y[i] > 0 && w[i] > 0)) return outside;
-    worst = std::max({worst, std::abs(y[i] * w[i] / gap - 1), std::abs(left(i)) / w[i]});
+    if (!(y[i] > 0 && w[i] > 0)) return infinity;
+    worst = std::max({worst, std::abs(y[i] * w[i] / gap - 1), std::abs(left_[i] - gap * left_share_[i]) / w[i]});
   }
   return worst;
 }

@@ -23,8 +23,7 @@ namespace zwang {
 // central path: the residuals shrink with the gap, |s_t| is rounded off by less than w, and no step ends farther from
 // the path than a part of the way to the boundary; its length is found by solves alone, one factorization each. The
 // tangent to a gap of zero then is an answer to rounding where the modes are not read yet. Where it ends, at a fold or
-// in rounding, step() goes on: arc length along the path (over folds by the sign of the determinant) led back to where
-// it came from as often as on.
+// in rounding, step() goes on: arc length along the path led back as often as on.
 class InteriorPoint {
  public:
   Vector v, y, w;  // the iterate: M v = G'y, and w is s (with the law's shift), up to what is left of the residuals

@@ -20,11 +20,13 @@ void ModeEquations::begin(ConeProgram& program) {
   factor_ = 0;
 }
 
-bool ModeEquations::choose(const ConeProgram& program, const Vector& y, const Vector& s) {
+bool ModeEquations::choose(const ConeProgram& program, const Vector& y, const Vector& s, double most_weight) {
   const Index nc = program.cones();
   bool changed = false;
   for (Index k = 0; k < nc; ++k) {
-    const Mode now = program.law().mode(&y[3 * k], &s[3 * k], slide[at(k)]);
+    const double slip = most_weight > 1 ? second_order_cone::tangential(&s[3 * k]) : infinity;
+    const double weight = y[3 * k] > slip ? std::min(y[3 * k] / slip, most_weight) : 1;
+    const Mode now = program.law().mode(&y[3 * k], &s[3 * k], slide[at(k)], weight);
     changed = changed || now != mode[at(k)];
     mode[at(k)] = now;
   }

@@ -18,8 +18,9 @@ class ModeEquations {
   Vector next, dv, ds;              // of the last step; ds = G dv
 
   void begin(ConeProgram& program);  // all contacts are open
-  // Who carries force at (y, s), and which way contacts slide there. Is that another choice than the last?
-  bool choose(const ConeProgram& program, const Vector& y, const Vector& s);
+  // Who carries force at (y, s), and which way contacts slide there. Is that another choice than the last? A slip below
+  // its load weighs more (Coulomb's law).
+  bool choose(const ConeProgram& program, const Vector& y, const Vector& s, double most_weight = 1);
   bool slides() const { return std::ranges::find(mode, Mode::slide) != mode.end(); }
   // At (y, s): next, and `anew` D.
   void linearize(const ConeProgram& program, const Vector& y, const Vector& s, bool anew);

@@ -7,7 +7,8 @@ namespace zwang {
 
 namespace soc = second_order_cone;
 
-void ModeNewton::begin(ConeProgram& program, const Vector& from_v, const Vector& from_y) {
+void ModeNewton::begin(ConeProgram& program, const Vector& from_v, const Vector& from_y, bool weighs_slips) {
+  weighs_slips_ = weighs_slips && program.law().opening() == 0;
   v = from_v;
   y = from_y;
   equations_.begin(program);
@@ -46,7 +47,7 @@ bool ModeNewton::step(ConeProgram& program) {
                           tolerances::cone_softest);
   e.across =
       std::clamp(tolerances::cone_soften_across * last_ / program.start(), tolerances::cone_least_across, e.softness);
-  changed_ = !chosen_ && e.choose(program, y, s);
+  changed_ = !chosen_ && e.choose(program, y, s, weighs_slips_ ? tolerances::cone_slip_weight / e.softness : 1);
   chosen_ = false;
   e.linearize(program, y, s, true);
   if (!e.factorize(program)) return false;

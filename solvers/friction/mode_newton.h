@@ -19,6 +19,10 @@ struct ModeIterate {
 // keeps the share of the load that it had. The matrix is M + G'D G once more. The softness follows the residual down: a
 // row that depends on others to within the residual would else throw the multipliers about.
 //
+// Beside a load of 1 a slip of 1e-9 has no say in y - s, in whether a contact slides and which way: loads go to and
+// fro. `weighs_slips`: it counts as much as the load, as far as the residual lets it be known. (Not behind the interior
+// point, where it costs steps.)
+//
 // Rows that depend on each other may disagree: by the rounding of what they were written from, or because not all of
 // them carry in the end. Then every step hands on a little of the load among them and nothing moves, for thousands of
 // steps. run() goes all the way at once, to where one of them lets go.
@@ -30,7 +34,7 @@ class ModeNewton : public ModeIterate {
 
   // From the interior point's iterate, whose eigenvalues tell the modes, or from any.
   void begin(ConeProgram& program, const InteriorPoint& from);
-  void begin(ConeProgram& program, const Vector& from_v, const Vector& from_y);
+  void begin(ConeProgram& program, const Vector& from_v, const Vector& from_y, bool weighs_slips = false);
   // Until the natural residual is at `goal`, or settled with a residual of at most `leaves`, or the residual
   // does not fall any more; at most so many steps, and on to `last` while each halves the residual. Keeps the best
   // iterate, counts its steps.
@@ -49,7 +53,7 @@ class ModeNewton : public ModeIterate {
   ModeIterate best_;  // of run()
   Vector way_, push_, slack_way_, y_before_;
   double last_ = 0;
-  bool chosen_ = false, changed_ = false;  // the modes: before the next step, by the last one
+  bool weighs_slips_ = false, chosen_ = false, changed_ = false;  // the modes: before the next step, by the last one
 };
 
 }  // namespace zwang

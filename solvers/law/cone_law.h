@@ -37,8 +37,8 @@ struct ConeLaw {
   struct Slide {
     double u1, u2, size, pressure;  // u and size of p_t = y_t - s_t; the normal multiplier
   };
-  // At which mode y - s is, and where it slides.
-  Mode mode(const double* y, const double* s, Slide& slide) const;
+  // At which mode y - s is, and where it slides. `weight`: of the slip, where opening() is 0.
+  Mode mode(const double* y, const double* s, Slide& slide, double weight = 1) const;
   // The step of Newton's method on the equations of a mode, y_new = next - D ds, D by columns; with a proximal term
   // 1 / softness in y, in its normal entry tilt^2 times that, across a slip 1 / softness_across. At softness 1 and tilt
   // 1, D is the derivative of y - s -> (0, y - s, a (1, u)), the answer of the modes. Of an open contact both are 0, as
@@ -62,11 +62,13 @@ inline ConeLaw::Residual ConeLaw::residual(const double* y, const double* s, dou
           l * shifted + y[1] * s[1] + y[2] * s[2] + 2 * std::abs(l) * violated + 2 * pull * (slip + std::abs(shifted))};
 }
 
-inline ConeLaw::Mode ConeLaw::mode(const double* y, const double* s, Slide& slide) const {
-  const double p0 = y[0] - s[0], p1 = y[1] - s[1], p2 = y[2] - s[2], size = std::sqrt(p1 * p1 + p2 * p2);
+inline ConeLaw::Mode ConeLaw::mode(const double* y, const double* s, Slide& slide, double weight) const {
+  const double p0 = y[0] - s[0], p1 = y[1] - weight * s[1], p2 = y[2] - weight * s[2];
+  const double size = std::sqrt(p1 * p1 + p2 * p2);
   if (p0 + opening() * size <= 0) return Mode::open;
   if (size <= p0) return Mode::stick;
   slide = {p1 / size, p2 / size, size, (p0 + opening() * size) / (1 + opening())};
+  if (weight > 1) slide.size = slide.pressure + (size - slide.pressure) / weight;  // of a slip as it is
   return Mode::slide;
 }
 

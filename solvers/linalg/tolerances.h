@@ -167,6 +167,8 @@ inline constexpr double cone_swept = 1e-3;
 // And across a slip, which may be 1e-9 of the motion beside loads of 1: at least the first, and the second times the
 // residual.
 inline constexpr double cone_least_across = 1e-10, cone_soften_across = 0.01;
+// Over the softness: the most that a slip weighs beside a load where modes are told.
+inline constexpr double cone_slip_weight = 0.01;
 // Multipliers that have grown by this factor may prove that no motion meets the rows.
 inline constexpr double cone_runs_off = 1e4;
 // Of what a pivot of a 3 x 3 block was: what rounding leaves of nothing.
@@ -181,8 +183,9 @@ inline constexpr double coupled_pivot = 1e-3;
 inline constexpr double cone_far = 0x1p10;
 // A natural residual at which the modes hold to rounding; and one from which Newton's method will not come back.
 inline constexpr double cone_exact = 1e-13, cone_hopeless = 1e-3;
-// And one, of the motion, that Newton's method on the modes of an earlier answer comes to where only a claim is missing.
-inline constexpr double cone_arrives = 1e-6;
+// And, of the motion: one from which only a claim is missing where Newton's method on the modes does not settle; and
+// one from which that goes on behind central paths: from farther off the interior point is the sooner there.
+inline constexpr double cone_arrives = 1e-6, cone_near_behind = 3e-7;
 
 // A promise (solvers/friction/promise.h), lengths relative to the motion. The proximal term at which active rows are
 // met; what a dozen passes leave of multipliers, of rows that are independent; and the part that the shortest
