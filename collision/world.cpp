@@ -309,9 +309,8 @@ TimeOfContact World::time_of_contact(std::span<const Move> moves) {
     order_.clear();
     for (std::size_t i = pair.first; i < pair.end; ++i) {
       const double gap = found.candidates[i].closest.distance - radius;
-      if (gap > motion.travel() + range.land) continue;
       if (gap <= touching) return {0, pair.a, pair.b, true};
-      order_.push_back(i);
+      if (gap <= motion.travel() + range.land) order_.push_back(i);
     }
     // Slivers are met in the order in which they lie side by side: from the far end on, each would take a little more
     // off the time.

@@ -158,6 +158,20 @@ TEST(TimeOfContact, OverlapAtTheStartIsSaid) {
   EXPECT_LT(s.world.touches(0.001)[0].gap, 0);
 }
 
+// However deep, and however short the motion.
+TEST(TimeOfContact, SaysADeepOverlap) {
+  World world;
+  world.add(std::make_shared<const Tree>(meshes::sheet(0.2, 0.2, 200)));
+  world.add(Shape::capsule(0.04, 0.008), {Vec3(0.003, 0.001, 0.0004), Mat3::Identity()});
+  for (const double length : {1e-9, 1e-3, 0.02}) {
+    Move move{.collider = 1};
+    move.twist.x() = length;
+    const TimeOfContact toc = world.time_of_contact({&move, 1});
+    EXPECT_TRUE(toc.overlap) << length;
+    EXPECT_EQ(toc.time, 0) << length;
+  }
+}
+
 TEST(TimeOfContact, TwoShapesBothMoving) {
   World world;
   const int a = world.add(Shape::capsule(0.05, 0.01), at({-0.1, 0, 0}));
