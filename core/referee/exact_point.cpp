@@ -8,11 +8,13 @@
 
 #include <zwang/core/referee/exact_point.h>
 #include <zwang/core/referee/friction/law.h>
+#include <zwang/core/referee/gauss_jordan.h>
 #include <zwang/core/referee/tolerances.h>
 
 namespace zwang {
 namespace {
 
+using referee::reduce;
 using referee::slip_lifts;
 using Rational = mpq_class;
 using Exact = VectorX<Rational>;
@@ -22,27 +24,6 @@ using Form = std::vector<std::pair<Index, Rational>>;  // sum of factor times ro
 constexpr double most_products = 30000;  // of an inverse of M and a matrix of Delassus
 constexpr std::size_t most_edges = 8;    // of which all sets are tried
 constexpr int simple = 30;               // bits: what ran out of digits may be a simple number
-
-// Gauss and Jordan, the first columns first: the pivots' columns, whose rows come first.
-std::vector<Index> reduce(Rationals& rows, Index columns) {
-  std::vector<Index> pivots;
-  for (Index j = 0; j < columns && std::ssize(pivots) < rows.rows(); ++j) {
-    const Index top = std::ssize(pivots);
-    Index found = top;
-    while (found < rows.rows() && rows(found, j) == 0) ++found;
-    if (found == rows.rows()) continue;
-    rows.row(found).swap(rows.row(top));
-    rows.row(top) /= Rational(rows(top, j));
-    for (Index i = 0; i < rows.rows(); ++i) {
-      const Rational factor = rows(i, j);
-      if (i == top || factor == 0) continue;
-      for (Index k = j; k < rows.cols(); ++k)
-        if (rows(top, k) != 0) rows(i, k) -= factor * rows(top, k);
-    }
-    pivots.push_back(j);
-  }
-  return pivots;
-}
 
 bool holds_beyond(const Rationals& rows, std::size_t rank) {
   return (rows.rightCols<1>().bottomRows(rows.rows() - static_cast<Index>(rank)).array() == Rational(0)).all();

@@ -9,10 +9,12 @@
 #include <utility>
 
 #include <zwang/core/referee/friction/law.h>
+#include <zwang/core/referee/gauss_jordan.h>
 
 namespace zwang {
 namespace {
 
+using referee::reduce;
 using Rational = boost::multiprecision::number<boost::multiprecision::gmp_rational, boost::multiprecision::et_off>;
 using Exact = VectorX<Rational>;
 using Rationals = Eigen::Matrix<Rational, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
@@ -26,26 +28,6 @@ struct Choice {
   std::vector<Form> pushes = {}, held = {}, kept = {};
 };
 
-// Gauss and Jordan on the first `columns` columns: their rank. The pivots' rows come first.
-Index reduce(Rationals& rows, Index columns) {
-  Index rank = 0;
-  for (Index j = 0; j < columns && rank < rows.rows(); ++j) {
-    Index found = rank;
-    while (found < rows.rows() && rows(found, j) == 0) ++found;
-    if (found == rows.rows()) continue;
-    rows.row(found).swap(rows.row(rank));
-    rows.row(rank) /= Rational(rows(rank, j));
-    for (Index i = 0; i < rows.rows(); ++i) {
-      const Rational factor = rows(i, j);
-      if (i == rank || factor == 0) continue;
-      for (Index k = j; k < rows.cols(); ++k)
-        if (rows(rank, k) != 0) rows(i, k) -= factor * rows(rank, k);
-    }
-    ++rank;
-  }
-  return rank;
-}
-
 Rationals stacked(const Rationals& above, const Rationals& below) {
   Rationals all(above.rows() + below.rows(), above.cols());
   all << above, below;
@@ -58,7 +40,7 @@ Exact values(const Rationals& forms, const Exact& x) { return forms.leftCols(x.s
 // A vertex of the points with A x = b, a row (A, b), where all of asked (a, a_0) have a x + a_0 >= 0; empty where there
 // is none. Solves the system. What it leaves open is asked to be zero in turn.
 std::optional<Exact> vertex(Rationals& system, const Rationals& asked) {
-  const Index unknowns = system.cols() - 1, rank = reduce(system, unknowns);
+  const Index unknowns = system.cols() - 1, rank = std::ssize(reduce(system, unknowns));
   const Exact right = system.col(unknowns);
   if ((right.tail(right.size() - rank).array() != 0).any()) return {};
   if (rank == unknowns) {
@@ -68,7 +50,7 @@ std::optional<Exact> vertex(Rationals& system, const Rationals& asked) {
   for (Rationals form : asked.rowwise()) {
     form(0, unknowns) *= -1;
     Rationals tight = stacked(system, form);
-    if (reduce(tight, unknowns) <= rank) continue;
+    if (std::ssize(reduce(tight, unknowns)) <= rank) continue;
     if (std::optional<Exact> x = vertex(tight, asked)) return x;
   }
   return {};
@@ -85,7 +67,7 @@ bool is_alone(Rationals system, const Rationals& asked, const Exact& x) {
   system.col(unknowns).setZero();
   zero.col(unknowns).setZero();
   Rationals all = stacked(system, zero);
-  if (reduce(all, unknowns) < unknowns) return false;
+  if (std::ssize(reduce(all, unknowns)) < unknowns) return false;
   for (Index k = 0; k < unknowns; ++k)
     for (const int sign : {1, -1}) {
       Rationals way = Rationals::Zero(1, unknowns + 1);
@@ -139,7 +121,7 @@ struct ExactSolutions::Data {
       const Form row = {{i, 1}};
       if (problem.is_equality(i)) {
         Rationals more = stacked(equalities, J.row(i));
-        const bool pushes = reduce(more, z_u.size()) == more.rows();
+        const bool pushes = std::ssize(reduce(more, z_u.size())) == more.rows();
         if (pushes) equalities = std::move(more);
         all.push_back({{.pushes = std::vector<Form>(pushes ? 1 : 0, row), .held = {row}}});
         continue;
@@ -209,7 +191,7 @@ ExactSolutions::ExactSolutions(const Problem& problem) : data_(std::make_shared<
     Rationals edges = Rationals::Zero(unknowns, n);
     for (Index k = 0; k < unknowns; ++k)
       for (const auto& [row, factor] : choice.pushes[at(k)]) edges.row(k) += factor * data_->J.row(row);
-    if (unknowns > n || reduce(edges, n) < unknowns) continue;
+    if (unknowns > n || std::ssize(reduce(edges, n)) < unknowns) continue;
     const auto equations_of = [&](const std::vector<Form>& forms, int sign) {
       Rationals rows(std::ssize(forms), unknowns + 1);
       for (Index i = 0; i < rows.rows(); ++i) {
@@ -224,7 +206,7 @@ ExactSolutions::ExactSolutions(const Problem& problem) : data_(std::make_shared<
       if (!problem.is_equality(choice.pushes[at(k)][0].first))
         asked = stacked(asked, Rationals::Identity(unknowns, unknowns + 1).row(k));
     const std::optional<Exact> right = vertex(system, asked);
-    if (reduce(system, unknowns) < unknowns && (!right || !is_alone(equations, asked, *right))) {
+    if (std::ssize(reduce(system, unknowns)) < unknowns && (!right || !is_alone(equations, asked, *right))) {
       complete_ = complete_ && !right;
       continue;
     }
