@@ -21,14 +21,14 @@ struct TreeNode {
   std::uint32_t skip;
   std::uint32_t first;  // triangle of its subtree
 
-  // Of its highest point along the direction `up`.
+  // Its greatest coordinate along `up`.
   double height(const Vec3& up) const {
     double sum = 0;
     for (std::size_t k = 0; k < 3; ++k)
       sum += up[static_cast<Index>(k)] * (up[static_cast<Index>(k)] > 0 ? high : low)[k];
     return sum;
   }
-  // Twice its smallest half width.
+  // Its smallest width.
   double thickness() const { return std::min({high[0] - low[0], high[1] - low[1], high[2] - low[2]}); }
   // From p to the box, squared.
   double distance2(const Vec3& p) const {

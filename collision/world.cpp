@@ -174,17 +174,16 @@ void World::collect_mesh(const Tree& tree, const Region& region, double reach, b
                          std::vector<Candidate>& candidates) const {
   const Shape& shape = region.shape;
   const Pose<double>& place = region.a_in_b;
-  // Of slivers, a sweep takes a whole face as one, if its box may be thin enough for any plane.
-  const auto flat = [&](const TreeNode& node, double gap) { return node.thickness() <= (margins_.stop + gap) / 10; };
+  // Of slivers, a sweep takes a whole face as one, if its box is thin enough for any plane within reach.
+  const double thin = swept ? (margins_.stop + reach) / 10 : -1;
   const auto enter = [&](const TreeNode& node, std::size_t number) {
     Region::LocalBox box;
     if (region.misses(node, box)) return false;
-    const Slab* slab = tree.slab(number);
-    if (slab && region.misses(*slab)) return false;
+    if (const Slab* slab = tree.slab(number); slab && region.misses(*slab)) return false;
     const auto [begin, end] = tree.range(number);
     if (shape.core() == Core::hull) return true;
     if (tree.of_slivers()) {
-      if (tree.leaf(number) || (end - begin > patch_size && !(swept && flat(node, reach)))) return true;
+      if (tree.leaf(number) || (end - begin > patch_size && !(node.thickness() <= thin))) return true;
       const PlaneOver plane(shape, place, tree, number, shape.radius() + reach);
       const double gap = plane.distance - shape.radius(), most = plane.most - shape.radius();
       if (gap > reach) return false;

@@ -16,6 +16,11 @@ struct Highest {
   }
 };
 
+// Of the core above all that is no higher than `height` along the normal, in B's axes and, `local`, in A's.
+double separation(const Shape& shape, const Pose<double>& place, const Vec3& local, const Vec3& normal, double height) {
+  return -local.cwiseAbs().dot(shape.half()) - (height - normal.dot(place.position));
+}
+
 }  // namespace
 
 bool patch_plane(const Region& region, const Region::LocalBox& box, std::span<const Vec3> points, double stop,
@@ -34,7 +39,7 @@ bool patch_plane(const Region& region, const Region::LocalBox& box, std::span<co
   const Highest highest(up, points);
   out.on_b = points[highest.at];
   out.normal = up;
-  out.distance = -n.cwiseAbs().dot(shape.half()) - (highest.height - up.dot(region.a_in_b.position));
+  out.distance = separation(shape, region.a_in_b, n, up, highest.height);
   const Vec3 local = region.a_in_b.rotation.transpose() * (out.on_b - region.a_in_b.position);
   const double gap = out.distance - shape.radius();
   return gap > stop / 2 && (local - shape.nearest(local)).norm() - out.distance <= (stop + gap) / 10;
@@ -46,7 +51,7 @@ Closest plane_between(const Shape& shape, const Pose<double>& place, std::span<c
   Closest out{.normal = place.rotation * n};
   const Highest highest(out.normal, points);
   out.on_b = points[highest.at];
-  out.distance = -n.cwiseAbs().dot(shape.half()) - (highest.height - out.normal.dot(place.position));
+  out.distance = separation(shape, place, n, out.normal, highest.height);
   return out;
 }
 
@@ -58,8 +63,7 @@ PlaneOver::PlaneOver(const Shape& shape, const Pose<double>& place, const Tree& 
   const double height =
       end - begin > patch_size ? tree.nodes()[node].height(normal) : Highest(normal, tree.points(begin, end)).height;
   on_b += (height - normal.dot(on_b)) * normal;
-  distance =
-      -(place.rotation.transpose() * normal).cwiseAbs().dot(shape.half()) - (height - normal.dot(place.position));
+  distance = separation(shape, place, place.rotation.transpose() * normal, normal, height);
 }
 
 }  // namespace zwang::collision

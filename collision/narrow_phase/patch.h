@@ -81,10 +81,10 @@ bool patch_plane(const Region& region, const Region::LocalBox& box, std::span<co
 Closest plane_between(const Shape& shape, const Pose<double>& place, std::span<const Vec3> points, const Vec3& near);
 
 // Of slivers side by side, whose corners are far off to the side: the plane across the nearest points of the core and
-// of one of a subtree's triangles, moved up to the highest of all their corners, of more than a patch of their box.
-// on_b is on the plane, beside the core. B's axes. `reach`: as for closest().
+// of one of a subtree's triangles, moved up to the highest corner of all of them, of more than a patch to that of their
+// box. on_b is on the plane, beside the core. B's axes. `reach`: as for closest().
 struct PlaneOver : Closest {
-  double most;  // m, the distance of that one triangle: an upper bound
+  double most;  // m, the distance of that one triangle: an upper bound, unless it is beyond reach
 
   PlaneOver(const Shape& shape, const Pose<double>& place, const Tree& tree, std::size_t node, double reach);
 };

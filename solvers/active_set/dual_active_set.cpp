@@ -22,7 +22,7 @@ void DualActiveSet::solve_island(const Problem& problem, const SolveOptions& opt
   solution.reset(problem.size(), problem.rows());
   JointSpaceActiveSet& reduced = reduced_.of(problem.size(), JointGraph::kind(problem));
   reduced.polish = polish;
-  if (options.form) reduced.swap_form(*options.form);
+  if (options.form) reduced.swap_form(*options.form);  // before, too: what the last one left is room for this one
   const bool solved = reduced.solve(problem, options, solution);
   if (options.form) {
     reduced.swap_form(*options.form);

@@ -23,7 +23,7 @@ class JointSpaceActiveSet {
   // True with solution solved; false where the careful path must decide.
   bool solve(const Problem& problem, const SolveOptions& options, Solution& solution);
   std::string_view reason() const { return reason_; }
-  void swap_form(NullSpaceForm& other) { std::swap(form_, other); }  // after solve()
+  void swap_form(NullSpaceForm& other) { std::swap(form_, other); }
 
   bool polish = true;  // off: the climb's point as it is; the refinement only tells its error
 

@@ -39,8 +39,7 @@ SolutionDerivative::SolutionDerivative(const Problem& p, const Values& z, const 
   const Vector mass = p.M.diagonal(), light = mass.cwiseInverse();
   owner_.assign(at(p.rows()), 0);
   change_.c.setConstant(p.rows(), -infinity);
-  Vector& slack = slack_;
-  slack.resize(p.rows());
+  slack_.resize(p.rows());
   Vector unit(p.rows()), left = p.M * (z - p.z_u);  // a motion of length 1 moves a row by a `unit`
   for (Index i = 0; i < p.rows(); ++i) {
     double own = -p.c[i], squares = 0;
@@ -48,7 +47,7 @@ SolutionDerivative::SolutionDerivative(const Problem& p, const Values& z, const 
       own += it.value() * z[it.col()];
       squares += it.value() * it.value() * light[it.col()];
     }
-    slack[i] = own;
+    slack_[i] = own;
     unit[i] = squares > 0 ? squares : 1;
     if (lambda[i] != 0)
       for (RowMatrix::InnerIterator it(p.J, i); it; ++it) left[it.col()] -= it.value() * lambda[i];
@@ -62,8 +61,8 @@ SolutionDerivative::SolutionDerivative(const Problem& p, const Values& z, const 
   const double zero = tolerances::derivative_tie * motion, opening = ConeLaw::of(p.law).opening();
   for (Index i = 0, tangents = 0; i < p.rows(); i += 1 + tangents) {
     tangents = p.has_tangents() ? p.tangents(i) : 0;
-    const double mu = tangents > 0 ? p.mu[i] : 0, slip = mu > 0 ? slack.segment(i + 1, tangents).norm() : 0;
-    const double push = lambda[i] * unit[i], gap = (slack[i] - opening * mu * slip) / unit[i];
+    const double mu = tangents > 0 ? p.mu[i] : 0, slip = mu > 0 ? slack_.segment(i + 1, tangents).norm() : 0;
+    const double push = lambda[i] * unit[i], gap = (slack_[i] - opening * mu * slip) / unit[i];
     double slides = 0, spare = infinity;
     if (mu > 0) {
       const double across = unit[i + 1];
@@ -87,7 +86,7 @@ SolutionDerivative::SolutionDerivative(const Problem& p, const Values& z, const 
     mode_.push_back(slides > zero ? Mode::slide : Mode::stick);
     if (mode_.back() == Mode::stick) continue;
     by_mu[i] = -opening * slip;
-    by_mu.segment(i + 1, tangents) = -lambda[i] / slip * slack.segment(i + 1, tangents);
+    by_mu.segment(i + 1, tangents) = -lambda[i] / slip * slack_.segment(i + 1, tangents);
   }
   held.insert(held.end(), ties.begin(), ties.end());
   rows = Eigen::Map<const VectorX<Index>>(held.data(), std::ssize(held));
