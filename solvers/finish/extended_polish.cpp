@@ -414,17 +414,46 @@ void ExtendedPolish<Real>::write(Solution& s) const {
 // what it may be short of, over its share. Of several that all but depend on each other no such point may be near.
 // Multipliers that pull, and are cut off, move y by no more than they are. What M ties enlarges rounding in residuals.
 template <class Real>
-double ExtendedPolish<Real>::bound(ActiveRows& active) const {
+double ExtendedPolish<Real>::bound(ActiveRows& active) {
   const double rest = touching_.size() == 1 ? share(active, touching_[0]) : 1;
   const double across = touching_.size() == 1 ? (touched_ + error_) / rest : 0;
   const bool clear = std::min(rest, active.smallest_pivot()) > tolerances::clear_pivot;
-  if (touching_.size() > 1 || !clear || !(error_ + across <= epsilon * scale_))
-    return std::numeric_limits<double>::quiet_NaN();
+  if (touching_.size() > 1 || !clear || !(error_ + across <= epsilon * scale_)) return bound_inside(active);
   double most =
       2 * error_ + across + tolerances::violation * real_eps * static_cast<double>(w_->factor.tied()) * scale_;
   for (const Index i : active.rows())
     if (!w_->equality[at(i)]) most += std::max(0.0, -static_cast<double>(unit(i)));
   return relative_bound(most, length_, z_u_length_);
+}
+
+// Where more rows touch, or rows depend on each other: the bound at a point that meets all rows whatever rounding hides
+// (promise.h). It is z moved along the shortest motion that opens each active row by one; those that repeat them open
+// with them. No force of the answer needs to be known, and no row to be told from others.
+template <class Real>
+double ExtendedPolish<Real>::bound_inside(ActiveRows& active) {
+  constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+  auto r2 = r2_.head(active.size());
+  r1_.setZero();
+  r2.setOnes();
+  active.correct(r1_, r2);
+  const double length = r1_.norm(), rounding = tolerances::violation * epsilon * length;
+  double way = 0;
+  for (Index i = 0; i < w_->rows(); ++i) {
+    const double most = static_cast<double>(violation(i)) + hidden(i), opens = w_->dot(i, r1_) - rounding;
+    if (w_->equality[at(i)] || (most > 0 && !(opens > 0))) return unknown;
+    if (most > 0) way = std::max(way, most / opens);
+  }
+  for (Index i = 0; i < w_->rows(); ++i)
+    if (static_cast<double>(violation(i)) + hidden(i) > way * (w_->dot(i, r1_) - rounding)) return unknown;
+  const double noise = tolerances::violation * real_eps * static_cast<double>(w_->factor.tied()) * scale_;
+  double force = way * length + 2 * error_ + noise, gap = 0;  // what is unbalanced there; y's
+  for (const Index i : active.rows()) {
+    const double push = static_cast<double>(unit(i)), slack = hidden(i) - static_cast<double>(violation(i));
+    force += std::max(0.0, -push);
+    gap += std::max(0.0, push) * std::max(0.0, slack + way * (w_->dot(i, r1_) + rounding));
+  }
+  const double most = way * length + force / 2 + std::sqrt(force * force / 4 + gap);
+  return most <= std::sqrt(epsilon) * scale_ ? relative_bound(most, length_, z_u_length_) : unknown;
 }
 
 // Rows outside that hold with equality all the same are ignored; those that the active ones determine are redundant.

@@ -91,7 +91,8 @@ class ExtendedPolish {
   double share(ActiveRows& active, Index row) const {  // of a row outside
     return share_[at(row)] >= 0 ? share_[at(row)] : active.share(row);
   }
-  double bound(ActiveRows& active) const;
+  double bound(ActiveRows& active);
+  double bound_inside(ActiveRows& active);
   void name_redundant(ActiveRows& active, Solution& s);
   // From z, not from z - z_u: a mechanism at rest then leaves residuals of zero from terms of zero.
   Real violation(Index i) { return rest(i).violation; }

@@ -56,10 +56,9 @@ void Apgd::solve(const Problem& problem, const SolveOptions& options, Solution& 
     y_ahead = y_next + carry * (y_next - y);
     lambda.swap(next);
     y.swap(y_next);
-    if (iteration.step_done()) return;
-
-    const double to_go = std::sqrt(curvature) * longest * length;
-    if (to_go <= options.tolerance * program.scale(y) && program.natural_residual(y, lambda) <= options.tolerance) {
+    const double to_go = std::sqrt(curvature) * longest * length, scale = program.scale(y);
+    if (iteration.step_done(to_go / scale)) return;
+    if (to_go <= options.tolerance * scale && program.natural_residual(y, lambda) <= options.tolerance) {
       solution.status = Status::solved;
       break;
     }
