@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include <zwang/core/number/double_double.h>
+#include <zwang/solvers/linalg/way_inside.h>
 
 namespace zwang {
 namespace {
@@ -114,7 +115,7 @@ void JointSpaceActiveSet::state(const Problem& p, Problem& reduced) {
       J.innerIndexPtr()[entries] = static_cast<int>(k);
       J.valuePtr()[entries++] = a[k];
     }
-    reduced.c[j] = a.norm() > tolerances::reduced_to_nothing ? climb_.b(j) : -std::numeric_limits<double>::infinity();
+    reduced.c[j] = a.norm() > tolerances::reduced_to_nothing ? climb_.b(j) : -infinity;
     reduced.key[at(j)] = p.key[at(form_.rows().row[at(i)])];
   }
   J.outerIndexPtr()[m] = entries;
@@ -278,6 +279,11 @@ bool JointSpaceActiveSet::refine() {
   return false;
 }
 
+// What the refinement leaves of a row that it meets, and sums of twice the digits lose.
+double JointSpaceActiveSet::left(Index i, double far) const {
+  return last_change_ * last_change_ / far + twice * point_.terms(form_.rows(), i);
+}
+
 // The rows outside the active set, from the problem's own J and c: rounding in an answer of 64 bits is all they may
 // be short of, and what that leaves open, until another row gives way, may not move z by more than `limit`, relative:
 // the careful path's doubt_others(). A row that the joints and active rows determine has to hold by itself. Of two
@@ -286,7 +292,6 @@ bool JointSpaceActiveSet::refine() {
 bool JointSpaceActiveSet::rest_holds(double limit) {
   const BodyRows& rows = form_.rows();
   const double length = y_.norm(), far = std::max(length, rows.free_norm), touch = DenseDualActiveSet::epsilon * far;
-  const auto left = [&](Index i) { return last_change_ * last_change_ / far + twice * point_.terms(rows, i); };
   bool gives_way = false;  // would an active row, where one outside were obeyed?
   listed_.clear();
   doubt_ = 0;
@@ -303,17 +308,17 @@ bool JointSpaceActiveSet::rest_holds(double limit) {
     take(j);
     const double share = climb_.share(place_[at(j)]), allowed = limit * far;
     const double moves = most / share;
-    doubt_ += share > tolerances::exact_share && moves <= touch ? moves : std::numeric_limits<double>::infinity();
+    doubt_ += share > tolerances::exact_share && moves <= touch ? moves : infinity;
     if (moves <= allowed) continue;
     if (climb_.detour(share, most) <= allowed)
-      gives_way = gives_way || violation > left(i);
-    else if (share > tolerances::exact_share || violation > std::min(left(i), rounding * point_.terms(rows, i)))
+      gives_way = gives_way || violation > left(i, far);
+    else if (share > tolerances::exact_share || violation > std::min(left(i, far), rounding * point_.terms(rows, i)))
       return false;
   }
   if (gives_way && listed_.size() > 1) return false;
-  if (listed_.size() > 1) doubt_ = std::numeric_limits<double>::infinity();
+  if (listed_.size() > 1) doubt_ = infinity;
   for (const Index i : listed_) {
-    if (!(point_.violation(rows, i) > left(i))) continue;
+    if (!(point_.violation(rows, i) > left(i, far))) continue;
     rest_.setZero();
     rows.add(i, 1, rest_);
     for (const Index k : listed_)
@@ -324,11 +329,41 @@ bool JointSpaceActiveSet::rest_holds(double limit) {
 
 // In exact arithmetic the last correction ends at the answer. It is counted twice for what the factors' rounding leaves
 // of it; multipliers that pull, and are cut off, move y by no more than they are.
-double JointSpaceActiveSet::error_bound() const {
+double JointSpaceActiveSet::error_bound() {
   const auto mu = mu_.head(static_cast<Index>(climb_.active().size()));
   const double length = y_.norm(), free = form_.rows().free_norm;
-  const double most = 2 * last_change_ - mu.cwiseMin(0).sum() + doubt_ + fine * form_.rows().tied() * (length + free);
-  return relative_bound(most, length, free);
+  const double most = 2 * last_change_ - mu.cwiseMin(0).sum() + fine * form_.rows().tied() * (length + free);
+  return relative_bound(doubt_ < infinity ? most + doubt_ : inside(most), length, free);
+}
+
+// Where more rows touch: at a point that meets all, as ExtendedPolish::bound_inside(), from what the forces are
+// `unbalanced`. Beside joints none is looked for.
+double JointSpaceActiveSet::inside(double unbalanced) {
+  const BodyRows& rows = form_.rows();
+  const auto q = static_cast<Index>(climb_.active().size());
+  const double far = std::max(y_.norm(), rows.free_norm);
+  if (!form_.equalities().empty()) return infinity;
+  s_v_.setZero();
+  sigma_I_.head(q).setOnes();
+  climb_.solve(s_v_, sigma_I_, dv_, dmu_);
+  form_.expand(dv_, step_);
+  const double length = step_.norm(), loose = tolerances::wide_violation * DenseDualActiveSet::epsilon * length;
+  const auto violated = [&](Index i) {
+    const double slack = rows.dot(i, y_) - rows.h[i];
+    const bool is_clear = slack > tolerances::clear_slack * (rows.magnitude[i] + far);
+    return is_clear ? -slack / 2 : point_.violation(rows, i) + left(i, far);
+  };
+  const double way = way_inside([&](const auto& visit) {
+    for (const Index i : form_.inequalities()) visit(violated(i), rows.dot(i, step_) - loose);
+  });
+  double work = 0;
+  for (Index k = 0; k < q; ++k) {
+    const Index i = active_row(k);
+    const double slack = left(i, far) - point_.violation(rows, i);
+    work += std::max(0.0, mu_[k]) * std::max(0.0, slack + way * (rows.dot(i, step_) + loose));
+  }
+  const double most = way < infinity ? way * length + far_from(way * length + unbalanced, work) : infinity;
+  return most <= std::sqrt(DenseDualActiveSet::epsilon) * far ? most : infinity;
 }
 
 }  // namespace zwang

@@ -54,7 +54,9 @@ class JointSpaceActiveSet {
   void compute_residuals();
   double correct();
   bool rest_holds(double limit);
-  double error_bound() const;
+  double error_bound();
+  double inside(double unbalanced);
+  double left(Index i, double far) const;
   bool is_active(Index j) const {
     const Index place = place_[at(j)];
     return place >= 0 && climb_.is_active(place);

@@ -5,6 +5,8 @@
 #include <limits>
 #include <utility>
 
+#include <zwang/solvers/linalg/way_inside.h>
+
 namespace zwang {
 
 template <class Real>
@@ -432,27 +434,24 @@ double ExtendedPolish<Real>::bound(ActiveRows& active) {
 template <class Real>
 double ExtendedPolish<Real>::bound_inside(ActiveRows& active) {
   constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+  if (std::ranges::count(w_->equality, 1) > 0) return unknown;
   auto r2 = r2_.head(active.size());
   r1_.setZero();
   r2.setOnes();
   active.correct(r1_, r2);
   const double length = r1_.norm(), rounding = tolerances::violation * epsilon * length;
-  double way = 0;
-  for (Index i = 0; i < w_->rows(); ++i) {
-    const double most = static_cast<double>(violation(i)) + hidden(i), opens = w_->dot(i, r1_) - rounding;
-    if (w_->equality[at(i)] || (most > 0 && !(opens > 0))) return unknown;
-    if (most > 0) way = std::max(way, most / opens);
-  }
-  for (Index i = 0; i < w_->rows(); ++i)
-    if (static_cast<double>(violation(i)) + hidden(i) > way * (w_->dot(i, r1_) - rounding)) return unknown;
+  const double way = way_inside([&](const auto& visit) {
+    for (Index i = 0; i < w_->rows(); ++i)
+      visit(static_cast<double>(violation(i)) + hidden(i), w_->dot(i, r1_) - rounding);
+  });
   const double noise = tolerances::violation * real_eps * static_cast<double>(w_->factor.tied()) * scale_;
-  double force = way * length + 2 * error_ + noise, gap = 0;  // what is unbalanced there; y's
+  double force = way * length + 2 * error_ + noise, work = 0;
   for (const Index i : active.rows()) {
     const double push = static_cast<double>(unit(i)), slack = hidden(i) - static_cast<double>(violation(i));
     force += std::max(0.0, -push);
-    gap += std::max(0.0, push) * std::max(0.0, slack + way * (w_->dot(i, r1_) + rounding));
+    work += std::max(0.0, push) * std::max(0.0, slack + way * (w_->dot(i, r1_) + rounding));
   }
-  const double most = way * length + force / 2 + std::sqrt(force * force / 4 + gap);
+  const double most = way * length + far_from(force, work);
   return most <= std::sqrt(epsilon) * scale_ ? relative_bound(most, length_, z_u_length_) : unknown;
 }
 

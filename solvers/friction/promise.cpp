@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include <zwang/solvers/linalg/way_inside.h>
 #include <zwang/solvers/solver_entry.h>
 
 namespace zwang {
@@ -246,22 +247,17 @@ double Promise::inside(double still, double size) {
   if (!found) return infinity;
   program_->slack(v_, s_);
   face.slack(w_, ds_);
-  double way = 0, least = 0;  // of w; what it leaves of any row
-  const auto rows = [&](const auto& visit) {
-    for (Index k = 0; k < nc; ++k) visit(opened(k) - rest, second_order_cone::smallest(&ds_[3 * k]));
-    for (Index i = 3 * nc; i < s_.size(); ++i) visit(s_[i] - rest, ds_[i]);
-  };
-  rows([&](double slack, double opens) {
-    if (slack < 0) way = opens > 0 ? std::max(way, -slack / opens) : infinity;
+  const double way = way_inside([&](const auto& visit) {
+    for (Index k = 0; k < nc; ++k) visit(rest - opened(k), second_order_cone::smallest(&ds_[3 * k]));
+    for (Index i = 3 * nc; i < s_.size(); ++i) visit(rest - s_[i], ds_[i]);
   });
-  rows([&](double slack, double opens) { least = std::min(least, slack + way * opens); });
-  if (!(least >= -eps * size)) return infinity;
+  if (!(way < infinity)) return infinity;
   const double apart = way * program_->length(w_);
   half_ += apart / 2;
   return far(still + factor_rounding_ * size + apart, way * std::max(0.0, y_.dot(ds_)) + rest * y_.lpNorm<1>());
 }
 
-double Promise::far(double apart, double more) const { return apart + half_ + std::sqrt(half_ * half_ + gap_ + more); }
+double Promise::far(double apart, double more) const { return apart + far_from(2 * half_, gap_ + more); }
 
 // The terms of the bound above, y_ being cut to the cones. False where a row without force is violated.
 bool Promise::distance() {
