@@ -28,8 +28,6 @@ struct TreeNode {
       sum += up[static_cast<Index>(k)] * (up[static_cast<Index>(k)] > 0 ? high : low)[k];
     return sum;
   }
-  // Its smallest width.
-  double thickness() const { return std::min({high[0] - low[0], high[1] - low[1], high[2] - low[2]}); }
   // From p to the box, squared.
   double distance2(const Vec3& p) const {
     double sum = 0;

@@ -6,61 +6,68 @@
 #include <stdexcept>
 #include <utility>
 
-#include <zwang/collision/narrow_phase/patch.h>
-
 namespace zwang::collision {
 namespace {
 
 constexpr double touching = 1e-9;  // m: nearer than this counts as overlap
 
 // How often a plane is put anew along a motion: of a patch while that is cheaper than its triangles, of slivers as
-// often as one of them may need, for what a plane does not show is shown of each.
-constexpr int patch_planes = 6, sliver_planes = 100;
+// often as it pays; the limit is for motions that start a hair's breadth away, where a plane has next to no room.
+constexpr int patch_planes = 6, sliver_planes = 1000;
 
-// May all of the motion up to `limit` be made without reaching the plane, or those that `next` puts in its place?
-template <class Next>
-bool clear_of_planes(const Shape& a, const RelativeMotion& motion, Closest plane, StopRange range, double limit,
-                     int planes, const Next& next) {
-  RelativeMotion::Instant now = motion.start();
-  double s = 0;
-  for (int k = 0; k < planes; ++k) {
-    const double room = plane.distance - a.radius() - range.aim;
-    if (!(room > 0)) return false;
-    s += time_to_plane(a, motion, now, plane.normal, room, limit - s);
-    if (s >= limit) return true;
-    now = motion.at(s);
-    plane = next(now.place, plane);
-  }
-  return false;
-}
-
-// The least of `limit` and the safe times of some triangles.
-double past_triangles(const Shape& a, const Tree& tree, std::pair<std::uint32_t, std::uint32_t> some,
-                      const RelativeMotion& motion, StopRange range, double limit) {
+// The least of `limit` and the safe times of some triangles, which are clear until `from`.
+double past_triangles(const Shape& a, const RelativeMotion& motion, const RelativeMotion::Instant& from,
+                      const Tree& tree, std::pair<std::uint32_t, std::uint32_t> some, StopRange range, double limit) {
   range.aim += (range.land - range.aim) / 8;
   for (const Triangle& triangle : tree.triangles(some)) {
     const Obstacle obstacle{.triangle = &triangle};
-    const Closest start = closest(a, motion.start().place, obstacle, a.radius() + motion.travel() + range.land);
-    if (start.distance - a.radius() > motion.travel() + range.land) continue;
-    limit = safe_time(a, motion, obstacle, start, range, limit);
+    const double near = a.radius() + motion.travel() * (limit - from.s) + range.land;
+    const Closest now = closest(a, from.place, obstacle, near);
+    if (now.distance <= near) limit = safe_time(a, motion, from, obstacle, now, range, limit);
   }
   return limit;
 }
 
-// Of the slivers of a subtree, `plane` over them: where the plane is reached, the halves have planes of their own, the
-// nearer half first, down to the leaves.
-double past_slivers(const Shape& a, const Tree& tree, std::size_t node, const Closest& plane,
-                    const RelativeMotion& motion, StopRange range, double limit) {
-  const double near = a.radius() + motion.travel() + range.land;
-  if (plane.distance > near) return limit;
-  const auto over = [&](const Pose<double>& place, std::size_t of) { return PlaneOver(a, place, tree, of, near); };
-  const auto next = [&](const Pose<double>& place, const Closest&) { return over(place, node); };
-  if (!motion.along_path() && clear_of_planes(a, motion, plane, range, limit, sliver_planes, next)) return limit;
-  if (tree.leaf(node)) return past_triangles(a, tree, tree.range(node), motion, range, limit);
+// The same of a patch, `plane` over it.
+double past_patch(const Shape& a, const RelativeMotion& motion, const Tree& tree,
+                  std::pair<std::uint32_t, std::uint32_t> some, Closest plane, StopRange range, double limit) {
+  RelativeMotion::Instant now = motion.start();
+  for (int k = 0; k < patch_planes && !motion.along_path(); ++k) {
+    const double room = plane.distance - a.radius() - range.aim;
+    if (!(room > 0)) break;
+    const double s = now.s + time_to_plane(a, motion, now, plane.normal, room, limit);
+    if (s >= limit) return limit;
+    now = motion.at(s);
+    plane = plane_between(a, now.place, tree.points(some.first, some.second), plane.on_b);
+  }
+  return past_triangles(a, motion, motion.start(), tree, some, range, limit);
+}
+
+// The same of the slivers of a subtree, `plane` over them. It is put anew as long as it keeps off more than it loses
+// against the one sliver that it lies on; then the halves go on from there with planes of their own, the nearer first,
+// down to the leaves.
+double past_slivers(const Shape& a, const RelativeMotion& motion, RelativeMotion::Instant now, const Tree& tree,
+                    std::size_t node, PlaneOver plane, StopRange range, double limit) {
+  const auto over = [&](std::size_t of) {
+    return plane_over(a, now.place, tree, of, a.radius() + motion.travel() * (limit - now.s) + range.land);
+  };
+  if (limit <= now.s) return limit;
+  for (int planes = 0; planes < sliver_planes; ++planes) {
+    if (plane.distance - a.radius() > motion.travel() * (limit - now.s) + range.land) return limit;
+    if (now.s > 0 && plane.most - a.radius() <= range.land) return now.s;
+    const double room = plane.distance - a.radius() - range.aim;
+    if (!(room > 0 && room >= plane.most - plane.distance)) break;
+    const double s = now.s + time_to_plane(a, motion, now, plane.normal, room, limit);
+    if (s >= limit) return limit;
+    if (s <= now.s) break;
+    now = motion.at(s);
+    plane = over(node);
+  }
+  if (tree.leaf(node)) return past_triangles(a, motion, now, tree, tree.range(node), range, limit);
   std::array halves{node + 1, std::size_t{tree.nodes()[node + 1].skip}};
-  std::array planes{over(motion.start().place, halves[0]), over(motion.start().place, halves[1])};
+  std::array planes{over(halves[0]), over(halves[1])};
   if (planes[1].distance < planes[0].distance) std::swap(planes[0], planes[1]), std::swap(halves[0], halves[1]);
-  for (std::size_t k = 0; k < 2; ++k) limit = past_slivers(a, tree, halves[k], planes[k], motion, range, limit);
+  for (std::size_t k = 0; k < 2; ++k) limit = past_slivers(a, motion, now, tree, halves[k], planes[k], range, limit);
   return limit;
 }
 
@@ -164,7 +171,7 @@ void World::collect_pair(int a, int b, double activation, Found& found) const {
   } else {
     const Shape& other = *this->shape(b);
     const Closest c = closest(shape, motion.start().place, {.shape = &other}, 0);
-    if (c.distance - shape.radius() - other.radius() <= reach) found.candidates.push_back({0, 1, 0, c});
+    if (c.distance - shape.radius() - other.radius() <= reach) found.candidates.push_back({0, 1, 0, {c}});
   }
   if (found.candidates.size() > first) found.pairs.push_back({a, b, first, found.candidates.size()});
 }
@@ -174,8 +181,6 @@ void World::collect_mesh(const Tree& tree, const Region& region, double reach, b
                          std::vector<Candidate>& candidates) const {
   const Shape& shape = region.shape;
   const Pose<double>& place = region.a_in_b;
-  // Of slivers, a sweep takes a whole face as one, if its box is thin enough for any plane within reach.
-  const double thin = swept ? (margins_.stop + reach) / 10 : -1;
   const auto enter = [&](const TreeNode& node, std::size_t number) {
     Region::LocalBox box;
     if (region.misses(node, box)) return false;
@@ -183,18 +188,19 @@ void World::collect_mesh(const Tree& tree, const Region& region, double reach, b
     const auto [begin, end] = tree.range(number);
     if (shape.core() == Core::hull) return true;
     if (tree.of_slivers()) {
-      if (tree.leaf(number) || (end - begin > patch_size && !(node.thickness() <= thin))) return true;
-      const PlaneOver plane(shape, place, tree, number, shape.radius() + reach);
+      if (tree.leaf(number) || (end - begin > patch_size && !swept)) return true;
+      const PlaneOver plane = plane_over(shape, place, tree, number, shape.radius() + reach);
       const double gap = plane.distance - shape.radius(), most = plane.most - shape.radius();
       if (gap > reach) return false;
+      // A sweep asks for no more than stop_range() does.
       const double slack = (gap > margins_.stop / 2 ? margins_.stop + gap : gap) / 10;
-      if (!(gap > touching && most < reach && most - gap <= slack)) return true;
+      if (!(gap > touching && most < reach && most - gap <= slack) && !(swept && gap >= 2 * margins_.stop)) return true;
       candidates.push_back({begin, end, number, plane});
       return false;
     }
     Closest c;
     if (end - begin > patch_size || !patch_plane(region, box, tree.points(begin, end), margins_.stop, c)) return true;
-    if (c.distance - shape.radius() <= reach) candidates.push_back({begin, end, number, c});
+    if (c.distance - shape.radius() <= reach) candidates.push_back({begin, end, number, {c}});
     return false;
   };
   tree.walk(enter, [&](std::uint32_t begin, std::uint32_t end) {
@@ -211,7 +217,7 @@ void World::collect_mesh(const Tree& tree, const Region& region, double reach, b
       if (c.distance - shape.radius() > reach) continue;
       c.normal = place.rotation * c.normal;
       c.on_b = place * c.on_b;
-      candidates.push_back({t, t + 1, 0, c});
+      candidates.push_back({t, t + 1, 0, {c}});
     }
   });
 }
@@ -249,19 +255,17 @@ double World::safe_time(const Pair& pair, const Candidate& candidate, const Rela
                         double limit) const {
   const Shape& a = *shape(pair.a);
   const Tree* tree = mesh(pair.b);
-  if (!tree) return collision::safe_time(a, motion, {.shape = shape(pair.b)}, candidate.closest, range, limit);
+  const auto past = [&](const Obstacle& obstacle) {
+    return collision::safe_time(a, motion, motion.start(), obstacle, candidate.closest, range, limit);
+  };
+  if (!tree) return past({.shape = shape(pair.b)});
   if (candidate.end - candidate.first == 1) {
     const Triangle triangle = tree->triangle(candidate.first);
-    return collision::safe_time(a, motion, {.triangle = &triangle}, candidate.closest, range, limit);
+    return past({.triangle = &triangle});
   }
-  if (tree->of_slivers()) return past_slivers(a, *tree, candidate.node, candidate.closest, motion, range, limit);
-  const std::span<const Vec3> patch = tree->points(candidate.first, candidate.end);
-  const auto next = [&](const Pose<double>& place, const Closest& plane) {
-    return plane_between(a, place, patch, plane.on_b);
-  };
-  if (!motion.along_path() && clear_of_planes(a, motion, candidate.closest, range, limit, patch_planes, next))
-    return limit;
-  return past_triangles(a, *tree, {candidate.first, candidate.end}, motion, range, limit);
+  if (tree->of_slivers())
+    return past_slivers(a, motion, motion.start(), *tree, candidate.node, candidate.closest, range, limit);
+  return past_patch(a, motion, *tree, {candidate.first, candidate.end}, candidate.closest, range, limit);
 }
 
 TimeOfContact World::time_of_contact(std::span<const Move> moves) {

@@ -9,10 +9,9 @@
 #include <zwang/collision/broad_phase.h>
 #include <zwang/collision/narrow_phase/approach.h>
 #include <zwang/collision/narrow_phase/face_contacts.h>
+#include <zwang/collision/narrow_phase/patch.h>
 
 namespace zwang::collision {
-
-struct Region;
 
 // Two colliders are tested against each other when each one's mask has a bit of the other's group.
 struct Filter {
@@ -90,7 +89,7 @@ class World {
   struct Candidate {
     std::uint32_t first, end;  // its triangles, in the tree's order
     std::size_t node;          // of slivers: whose subtree they are
-    Closest closest;           // b's axes; the core of a against the triangle, or against the core of b
+    PlaneOver closest;         // b's axes; the core of a against them, or against the core of b
   };
   struct Pair {
     int a, b;

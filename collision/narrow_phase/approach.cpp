@@ -43,7 +43,7 @@ RelativeMotion::RelativeMotion(const BodyMotion& a, const BodyMotion& b, double 
 
 RelativeMotion::Instant RelativeMotion::at(double s) const {
   const Pose<double> b = b_.at(s);
-  Instant now{in(b, a_.at(s))};
+  Instant now{s, in(b, a_.at(s))};
   if (along_path()) return now;
   const Vec3 w_b = b.rotation.transpose() * b_.twist.tail<3>();
   now.turn = b.rotation.transpose() * a_.twist.tail<3>() - w_b;
@@ -71,11 +71,12 @@ Closest closest(const Shape& a, const Pose<double>& a_in_b, const Obstacle& obst
 }
 
 double time_to_plane(const Shape& a, const RelativeMotion& motion, const RelativeMotion::Instant& now, const Vec3& n,
-                     double room, double most) {
-  // n . v of a corner q is rate + turn . q.
-  const double rate = n.dot(now.drift);
-  const Vec3 turn = now.place.rotation.transpose() * n.cross(now.turn), local = now.place.rotation.transpose() * n;
+                     double room, double limit) {
   double lowest = std::numeric_limits<double>::infinity(), h = lowest;
+  if (motion.along_path()) return motion.travel() > 0 ? room / motion.travel() : h;
+  // n . v of a corner q is rate + turn . q.
+  const double rate = n.dot(now.drift), most = limit - now.s;
+  const Vec3 turn = now.place.rotation.transpose() * n.cross(now.turn), local = now.place.rotation.transpose() * n;
   const double slowest = rate - turn.norm() * a.reach();
   if (room + most * slowest - most * most * motion.acceleration() / 2 >= 0) return h;
   for (const Vec3& q : a.corners()) lowest = std::min(lowest, local.dot(q));
@@ -84,28 +85,19 @@ double time_to_plane(const Shape& a, const RelativeMotion& motion, const Relativ
   return h;
 }
 
-double safe_time(const Shape& a, const RelativeMotion& motion, const Obstacle& obstacle, Closest now, StopRange range,
-                 double limit) {
+double safe_time(const Shape& a, const RelativeMotion& motion, RelativeMotion::Instant from, const Obstacle& obstacle,
+                 Closest now, StopRange range, double limit) {
   const double radius = a.radius() + radius_of(obstacle);
-  const auto [land, aim] = range;
-  double gap = now.distance - radius, s = 0;
-  RelativeMotion::Instant instant = motion.start();
   for (int step = 0; step < most_steps; ++step) {
-    double h = std::numeric_limits<double>::infinity();
-    if (motion.along_path()) {
-      if (motion.travel() > 0) h = (gap - aim) / motion.travel();
-    } else {
-      h = time_to_plane(a, motion, instant, now.normal, gap - aim, limit - s);
-    }
-    if (s + h >= limit) return limit;
-    if (s + h <= s) return s;
-    s += h;
-    instant = motion.at(s);
-    now = closest(a, instant.place, obstacle, std::numeric_limits<double>::infinity());
-    gap = now.distance - radius;
-    if (gap <= land) return s;
+    const double gap = now.distance - radius;
+    if (from.s > 0 && gap <= range.land) break;
+    const double s = from.s + time_to_plane(a, motion, from, now.normal, gap - range.aim, limit);
+    if (s >= limit) return limit;
+    if (s <= from.s) break;
+    from = motion.at(s);
+    now = closest(a, from.place, obstacle, std::numeric_limits<double>::infinity());
   }
-  return s;
+  return from.s;
 }
 
 }  // namespace zwang::collision

@@ -31,9 +31,10 @@ class RelativeMotion {
   // arm: the farthest corner of A's core from its origin [m].
   RelativeMotion(const BodyMotion& a, const BodyMotion& b, double arm);
 
-  // A's pose and, for twists, its velocity there: a point q of A (its axes) moves with drift + turn x (rotation * q).
+  // A's pose at s and, for twists, its velocity: a point q of A (its axes) moves with drift + turn x (rotation * q).
   struct Instant {
-    Pose<double> place;
+    double s = 0;
+    Pose<double> place = {};
     Vec3 drift = Vec3::Zero(), turn = Vec3::Zero();
   };
   const Instant& start() const { return start_; }
@@ -71,15 +72,14 @@ inline StopRange stop_range(double gap, double stop) {
   return {gap - room, gap - room - std::min(room, stop) / 2};
 }
 
-// The time from `now` until a corner of the core may reach a plane with normal n (B's axes) that lies `room` [m] below
-// the lowest corner; infinite where no corner reaches it within `most`. Nothing beyond the plane is hit before. Twists
-// only.
+// How long from `now` no corner of the core reaches a plane with normal n (B's axes) that lies `room` [m] below the
+// lowest corner; infinite where none reaches it before `limit`. Nothing beyond the plane is hit before.
 double time_to_plane(const Shape& a, const RelativeMotion& motion, const RelativeMotion::Instant& now, const Vec3& n,
-                     double room, double most);
+                     double room, double limit);
 
-// The time in [0, limit] at which the gap to the obstacle (`start`: at time 0) falls to range.land. Directional
-// conservative advancement, after Mirtich (1996) and Zhang, Lee & Kim (2006): over a step h every corner a of the core
-// has, along the present normal n, the separation
+// The time in [from.s, limit] at which the gap to the obstacle (`now`: at `from`, before which it is not less than
+// range.aim) falls to range.land. Directional conservative advancement, after Mirtich (1996) and Zhang, Lee & Kim
+// (2006): over a step h every corner a of the core has, along the present normal n, the separation
 //
 //   n . a(h) - max_b n . b  >=  s_a + h n . v_a - 1/2 h^2 acceleration
 //
@@ -88,7 +88,7 @@ double time_to_plane(const Shape& a, const RelativeMotion& motion, const Relativ
 // corner has its own bound (not the fastest point against the smallest gap): a long capsule that turns about its
 // touching end is not held back by the other end. Along a path only the bound on the speed is known, and
 // h = (gap - aim) / bound. The result is never too late: after 10,000 steps it is the time reached.
-double safe_time(const Shape& a, const RelativeMotion& motion, const Obstacle& obstacle, Closest start, StopRange range,
-                 double limit);
+double safe_time(const Shape& a, const RelativeMotion& motion, RelativeMotion::Instant from, const Obstacle& obstacle,
+                 Closest now, StopRange range, double limit);
 
 }  // namespace zwang::collision

@@ -55,15 +55,17 @@ Closest plane_between(const Shape& shape, const Pose<double>& place, std::span<c
   return out;
 }
 
-PlaneOver::PlaneOver(const Shape& shape, const Pose<double>& place, const Tree& tree, std::size_t node, double reach) {
+PlaneOver plane_over(const Shape& shape, const Pose<double>& place, const Tree& tree, std::size_t node, double reach) {
   const auto [begin, end] = tree.range(node);
   const Triangle middle = tree.triangle((begin + end) / 2);
-  static_cast<Closest&>(*this) = closest(shape, place, {.triangle = &middle}, reach);
-  most = distance;
+  PlaneOver out{closest(shape, place, {.triangle = &middle}, reach)};
+  out.most = out.distance;
+  const Vec3& n = out.normal;
   const double height =
-      end - begin > patch_size ? tree.nodes()[node].height(normal) : Highest(normal, tree.points(begin, end)).height;
-  on_b += (height - normal.dot(on_b)) * normal;
-  distance = separation(shape, place, place.rotation.transpose() * normal, normal, height);
+      end - begin > patch_size ? tree.nodes()[node].height(n) : Highest(n, tree.points(begin, end)).height;
+  out.on_b += (height - n.dot(out.on_b)) * n;
+  out.distance = separation(shape, place, place.rotation.transpose() * n, n, height);
+  return out;
 }
 
 }  // namespace zwang::collision

@@ -84,9 +84,8 @@ Closest plane_between(const Shape& shape, const Pose<double>& place, std::span<c
 // of one of a subtree's triangles, moved up to the highest corner of all of them, of more than a patch to that of their
 // box. on_b is on the plane, beside the core. B's axes. `reach`: as for closest().
 struct PlaneOver : Closest {
-  double most;  // m, the distance of that one triangle: an upper bound, unless it is beyond reach
-
-  PlaneOver(const Shape& shape, const Pose<double>& place, const Tree& tree, std::size_t node, double reach);
+  double most = 0;  // m, the distance of that one triangle: an upper bound, unless it is beyond reach
 };
+PlaneOver plane_over(const Shape& shape, const Pose<double>& place, const Tree& tree, std::size_t node, double reach);
 
 }  // namespace zwang::collision
