@@ -52,7 +52,7 @@ double past_slivers(const Shape& a, const RelativeMotion& motion, RelativeMotion
     return plane_over(a, now.place, tree, of, a.radius() + motion.travel() * (limit - now.s) + range.land);
   };
   if (limit <= now.s) return limit;
-  for (int planes = 0; planes < sliver_planes; ++planes) {
+  for (int k = 0; k < sliver_planes; ++k) {
     if (plane.distance - a.radius() > motion.travel() * (limit - now.s) + range.land) return limit;
     if (now.s > 0 && plane.most - a.radius() <= range.land) return now.s;
     const double room = plane.distance - a.radius() - range.aim;

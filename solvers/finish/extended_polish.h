@@ -27,7 +27,8 @@ template <class Real>
 class ExtendedPolish {
  public:
   // `active` is changed when the guess was wrong. The solution is complete, solved or infeasible; where this is false
-  // it holds the last point and a message. Where an accuracy is asked for, it has a bound if the rows are clear.
+  // it holds the last point and a message. Where an accuracy is asked for, it has a bound if the rows are clear, or
+  // a motion opens all that touch.
   // passes_on: more digits follow, and what is blurred in these is left to them at once.
   bool run(const Problem& problem, const Whitened& rows, ActiveRows& active, const SolveOptions& options,
            Solution& solution, bool passes_on = false);

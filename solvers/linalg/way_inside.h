@@ -12,14 +12,15 @@ namespace zwang {
 template <class Each>
 double way_inside(Each&& each) {
   constexpr double none = std::numeric_limits<double>::infinity();
-  double way = 0;
+  double way = 0, most = none;
   each([&](double violated, double opens) {
-    if (violated > 0) way = opens > 0 ? std::max(way, violated / opens) : none;
+    if (violated > 0)
+      way = opens > 0 ? std::max(way, violated / opens) : none;
+    else if (opens < 0)
+      most = std::min(most, violated / opens);
   });
   way *= 1 + 2 * std::numeric_limits<double>::epsilon();  // as a quotient may be rounded down
-  bool met = way < none;
-  each([&](double violated, double opens) { met = met && violated <= way * opens; });
-  return met ? way : none;
+  return way == 0 || way < most ? way : none;
 }
 
 // How far the answer is from a point that meets all rows, from what its forces are out of balance by (M^-1-norm), and
