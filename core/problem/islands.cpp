@@ -91,7 +91,7 @@ bool Islands::several(const Problem& p, Index unit) {
   return count_ > 1;
 }
 
-// Rows first: joints connect a hand, and then nothing else needs to be looked at.
+// Rows first, and of each its ends: joints connect a hand, and then nothing else needs to be looked at.
 template <class Unit>
 bool Islands::several_blocks(const Problem& p, Unit unit) {
   const Index blocks = (p.size() + unit - 1) / unit;
@@ -120,6 +120,11 @@ bool Islands::several_blocks(const Problem& p, Unit unit) {
       begin = own * unit;
     }
   };
+  for (Index i = 0; i < p.rows() && count > 1; ++i) {
+    const int begin = p.J.outerIndexPtr()[i],
+              end = p.J.isCompressed() ? p.J.outerIndexPtr()[i + 1] : begin + p.J.innerNonZeroPtr()[i];
+    if (begin < end) couple_blocks(block_of(p.J.innerIndexPtr()[begin]), block_of(p.J.innerIndexPtr()[end - 1]));
+  }
   for (Index i = 0; i < p.rows() && count > 1; ++i) visit(p.J, i, -1);
   if (p.has_tangents()) {
     // A contact's rows belong together even where they touch no body in common.

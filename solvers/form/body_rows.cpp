@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #include <zwang/core/problem/preparation.h>
 #include <zwang/solvers/linalg/lanes.h>
@@ -123,7 +124,7 @@ bool BodyRows::factorize(const Problem& p) {
   return true;
 }
 
-// J by bodies, G = J L^-T and h = c - J z_u of rows as they stand.
+// J by bodies, each in the entries that assembly stores or in fewer. False where a row meets more than two.
 bool BodyRows::load_rows(const Problem& p) {
   const Index m = p.rows();
   row.resize(at(m));
@@ -137,41 +138,32 @@ bool BodyRows::load_rows(const Problem& p) {
   }
   const int *const outer = p.J.outerIndexPtr(), *const counts = p.J.innerNonZeroPtr(),
                    *const column = p.J.innerIndexPtr();
-  const double *const entry = p.J.valuePtr(), *const z_u_entry = p.z_u.data();
+  const double *const entry = p.J.valuePtr(), *const own_c = p.c.data();
+  double* part = J.data();
   std::size_t k = 0;
-  Index part = 0;
   for (Index i = 0; i < m; ++i) {
-    if (!std::isfinite(p.c[i])) continue;
-    int e = outer[i];
-    const int end = counts ? e + counts[i] : outer[i + 1];
+    if (!std::isfinite(own_c[i])) continue;
+    const int begin = outer[i], end = counts ? begin + counts[i] : outer[i + 1];
+    int e = begin;
     std::array<int, 2> met{-1, -1};
-    double left = p.c[i];
-    Lanes squares = Lanes::Zero();
-    place[k] = part;
+    place[k] = (part - J.data()) / lanes;
     for (int& b : met) {
       while (e < end && entry[e] == 0) ++e;
       if (e == end) break;
       b = column[e] / 6;
-      const int first = 6 * b;
-      const double* const inverse = mass[at(b)].L_inverse.data();
-      J.col(part).setZero();
-      double* const own = J.col(part).data();
-      Lanes g = Lanes::Zero();
-      for (; e < end && column[e] < first + 6; ++e) {
-        const double a = entry[e];
-        const int in_body = column[e] - first;
-        g = multiply_add(a, Eigen::Map<const Lanes>(inverse + lanes * in_body), g);
-        left = multiply_add(-a, z_u_entry[column[e]], left);
-        own[in_body] = a;
+      const int first = 6 * b, all = e - (column[e] - first);
+      if (all >= begin && all + 5 < end && column[all] == first && column[all + 5] == first + 5) {
+        std::memcpy(part, entry + all, 6 * sizeof *part);
+        part[6] = part[7] = 0;
+        e = all + 6;
+      } else {
+        std::fill_n(part, lanes, 0.0);
+        for (; e < end && column[e] < first + 6; ++e) part[column[e] - first] = entry[e];
       }
-      squares = multiply_add(g, g, squares);
-      G.col(part++) = g;
+      part += lanes;
     }
     while (e < end && entry[e] == 0) ++e;
     if (e < end) return false;
-    c[static_cast<Index>(k)] = p.c[i];
-    h[static_cast<Index>(k)] = left;
-    row_norm[static_cast<Index>(k)] = squares.sum();
     row[k] = i;
     equality[k] = p.is_equality(i);
     body[k++] = met;
@@ -181,6 +173,32 @@ bool BodyRows::load_rows(const Problem& p) {
   body.resize(k);
   place.resize(k);
   return true;
+}
+
+// G = J L^-T, h = c - J z_u and squares of norms, of rows as they stand.
+void BodyRows::whiten_rows(const Problem& p) {
+  const double *own = J.data(), *const z_u_entry = p.z_u.data();
+  double* whitened = G.data();
+  for (std::size_t k = 0; k < row.size(); ++k) {
+    double left = p.c[row[k]];
+    Lanes squares = Lanes::Zero();
+    c[static_cast<Index>(k)] = left;
+    for (const int b : body[k]) {
+      if (b < 0) break;
+      const Block& inverse = mass[at(b)].L_inverse;
+      Lanes g = Lanes::Zero();
+      for (Index j = 0; j < 6; ++j) {
+        g = multiply_add(own[j], inverse.col(j), g);
+        left = multiply_add(-own[j], z_u_entry[6 * b + j], left);
+      }
+      squares = multiply_add(g, g, squares);
+      Eigen::Map<Lanes>{whitened} = g;
+      own += lanes;
+      whitened += lanes;
+    }
+    h[static_cast<Index>(k)] = left;
+    row_norm[static_cast<Index>(k)] = squares.sum();
+  }
 }
 
 // Roots and quotients of all rows side by side.
@@ -211,7 +229,9 @@ bool BodyRows::build(const Problem& p) {
   const Index n = p.size();
   if (n == 0 || n % 6 != 0) return false;
   mass.resize(at(n / 6));
-  if (!factorize(p) || !load_rows(p) || !make_unit_rows()) return false;
+  if (!factorize(p) || !load_rows(p)) return false;
+  whiten_rows(p);
+  if (!make_unit_rows()) return false;
 
   // The unit of length: the worst violation of z_u.
   double worst = 0;

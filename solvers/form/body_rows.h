@@ -80,6 +80,7 @@ struct BodyRows {
   bool factorize(Index base, Index first);
   bool factorize(const Problem& problem);
   bool load_rows(const Problem& problem);
+  void whiten_rows(const Problem& problem);
   bool make_unit_rows();
 
   Vector reciprocal_;  // k: of row_norm

@@ -12,14 +12,14 @@ using namespace joint_blocks;
 
 // R of [I; S of each child], by reflections that touch one row of the triangle and all rows below. False: no children.
 template <>
-bool JointTree::accumulate(std::span<const int> group, Square<Pack>& R) {
+[[gnu::flatten]] bool JointTree::accumulate(std::span<const int> group, Square<Group>& R) {
   constexpr std::size_t room = 36;
-  std::array<Column<Pack>, room> below;
+  std::array<Column<Group>, room> below;
   int most = 0;
   for (const int j : group) most = std::max(most, joint(j).children);
   if (most == 0) return false;
   for (std::size_t i = 0; i < 6; ++i)
-    for (std::size_t j = 0; j < 6; ++j) R[i][j] = Pack(i == j);
+    for (std::size_t j = 0; j < 6; ++j) R[i][j] = Group(i == j);
   for (int c = 0; c < most;) {
     // As many children as there is room for.
     std::size_t count = 0;
@@ -28,7 +28,7 @@ bool JointTree::accumulate(std::span<const int> group, Square<Pack>& R) {
       for (const int j : group)
         if (c < joint(j).children) first = std::min(first, joint(joint(j).first_child + c).freedom);
       for (Index i = first; i < 6; ++i, ++count) {
-        Parts parts;
+        Parts<Group> parts;
         parts.fill(nothing.data());
         for (std::size_t l = 0; l < group.size(); ++l) {
           const int child = joint(group[l]).first_child + c;
@@ -37,20 +37,23 @@ bool JointTree::accumulate(std::span<const int> group, Square<Pack>& R) {
         gather(parts, below[count]);
       }
     }
-    for (std::size_t j = 0; j < 6; ++j) {
-      Pack square = R[j][j] * R[j][j];
+    unroll<6>([&](auto j) {
+      Group square = R[j][j] * R[j][j];
       for (std::size_t i = 0; i < count; ++i) square = multiply_add(below[i][j], below[i][j], square);
-      const Pack beta = with_sign_against(R[j][j], root(square));
-      const Pack lead = R[j][j] - beta, scale = 1 / (beta * lead);
+      const Group beta = with_sign_against(R[j][j], root(square));
+      const Group lead = R[j][j] - beta, scale = 1 / (beta * lead);
       R[j][j] = beta;
-      for (std::size_t m = j + 1; m < 6; ++m) {
-        Pack sum = lead * R[j][m];
-        for (std::size_t i = 0; i < count; ++i) sum = multiply_add(below[i][j], below[i][m], sum);
-        sum *= scale;
-        R[j][m] = multiply_add(lead, sum, R[j][m]);
-        for (std::size_t i = 0; i < count; ++i) below[i][m] = multiply_add(below[i][j], sum, below[i][m]);
-      }
-    }
+      std::array<Group, 5 - j> sum;
+      unroll<5 - j>([&](auto m) { sum[m] = lead * R[j][j + 1 + m]; });
+      for (std::size_t i = 0; i < count; ++i)
+        unroll<5 - j>([&](auto m) { sum[m] = multiply_add(below[i][j], below[i][j + 1 + m], sum[m]); });
+      unroll<5 - j>([&](auto m) {
+        sum[m] *= scale;
+        R[j][j + 1 + m] = multiply_add(lead, sum[m], R[j][j + 1 + m]);
+      });
+      for (std::size_t i = 0; i < count; ++i)
+        unroll<5 - j>([&](auto m) { below[i][j + 1 + m] = multiply_add(below[i][j], sum[m], below[i][j + 1 + m]); });
+    });
   }
   return true;
 }
@@ -89,25 +92,28 @@ bool JointTree::accumulate(std::span<const int> group, Square<double>& R) {
 }
 
 template <class Scalar>
-std::string_view JointTree::eliminate(const BodyRows& rows, std::span<const int> group) {
+[[gnu::flatten]] std::string_view JointTree::eliminate(const BodyRows& rows, std::span<const int> group) {
   const auto r = at(joint(group.front()).count);
   if (r > 6) return "more than six rows between two bodies";
   const std::size_t d = 6 - r;
+
+  // What is written of lanes without a joint goes to the last block, which is nobody's.
+  std::array<Blocks*, width<Scalar>> own;
+  for (std::size_t l = 0; l < own.size(); ++l) own[l] = l < group.size() ? &blocks_[at(group[l])] : &blocks_.back();
 
   // Rows of C and D; lanes without a joint hold one that is easy.
   Square<Scalar> C, D;
   for (std::size_t k = 0; k < r; ++k) {
     const BodyRows::Lanes easy = BodyRows::Lanes::Unit(static_cast<Index>(k));
-    Parts child, parent;
+    Parts<Scalar> child, parent;
     child.fill(easy.data());
     parent.fill(nothing.data());
     for (std::size_t l = 0; l < group.size(); ++l) {
-      const JointGraph::Joint& own = joint(group[l]);
-      const Index i = graph_.tree_rows()[at(own.first) + k];
-      const auto& bodies = rows.body[at(i)];
-      const int side = bodies[0] == own.body ? 0 : 1;
+      const JointGraph::Joint& joint = this->joint(group[l]);
+      const Index i = graph_.tree_rows()[at(joint.first) + k];
+      const int side = joint.parent >= 0 && joint.parent < joint.body;
       child[l] = rows.part(i, side).data();
-      if (bodies[1] >= 0) parent[l] = rows.part(i, 1 - side).data();
+      if (joint.parent >= 0) parent[l] = rows.part(i, 1 - side).data();
     }
     gather(child, C[k]);
     gather(parent, D[k]);
@@ -120,8 +126,7 @@ std::string_view JointTree::eliminate(const BodyRows& rows, std::span<const int>
   set(narrowest, 1);
   set(all, 0);
   const auto form = [&](std::size_t i, std::size_t reflections) {
-    Column<Scalar> x = zero<Scalar>();
-    set(x[i], 1);
+    Column<Scalar> x = unit<Scalar>(i);
     for (std::size_t k = reflections; k-- > 0;) q[k].apply(x);
     Q[i] = x;
   };
@@ -151,51 +156,53 @@ std::string_view JointTree::eliminate(const BodyRows& rows, std::span<const int>
   // R [Z, X] = Q_z [T, B; 0, S], X = -C^+ D; P = Z T^-1 and F = X - P B, column by column.
   Square<Scalar> R, P, B, F;
   const bool carries = accumulate(group, R);
-  const auto multiply = [&](Column<Scalar>& x) {
-    for (std::size_t i = 0; carries && i < 6; ++i) {
-      x[i] *= R[i][i];
-      for (std::size_t k = i + 1; k < 6; ++k) x[i] = multiply_add(R[i][k], x[k], x[i]);
-    }
+  const auto multiply = [&](Column<Scalar>& x) __attribute__((always_inline)) {
+    if (!carries) return;
+    unroll<6>([&](auto k) {
+      unroll<k>([&](auto i) { x[i] = multiply_add(R[i][k], x[k], x[i]); });
+      x[k] *= R[k][k];
+    });
   };
   std::array<Reflection<Scalar>, 6> turn;
+  // Reflects one column and takes what that finds in columns of P from another.
+  const auto part_from = [&](Column<Scalar>& t, Column<Scalar>& x, std::size_t columns) __attribute__((always_inline)) {
+    unroll<6>([&](auto c) {
+      if (c >= columns) return;
+      turn[c].apply(t);
+      subtract(t[c], P[c], x);
+    });
+  };
   for (std::size_t c = 0; c < d; ++c) {
     Column<Scalar> t = Q[r + c], x = t;
     multiply(t);
-    for (std::size_t l = 0; l < c; ++l) {
-      turn[l].apply(t);
-      subtract(t[l], P[l], x);
-    }
+    part_from(t, x, c);
     turn[c].take(t, c);
     scale(turn[c].reciprocal, x);
     P[c] = x;
   }
   for (std::size_t j = 0; r > 0 && j < 6; ++j) {
-    Column<Scalar> x = zero<Scalar>();
+    Column<Scalar> x = unit<Scalar>(6);
     for (std::size_t k = 0; k < r; ++k) subtract(D[k][j], C_inverse[k], x);
     Column<Scalar> b = x;
     multiply(b);
-    for (std::size_t c = 0; c < d; ++c) {
-      turn[c].apply(b);
-      subtract(b[c], P[c], x);
-    }
+    part_from(b, x, d);
     B[j] = b;
     F[j] = x;
   }
 
   const auto write = [&](const Column<Scalar>& from, Block Blocks::* block, std::size_t column) {
-    Targets targets{};
-    for (std::size_t l = 0; l < group.size(); ++l)
-      targets[l] = (blocks_[at(group[l])].*block).col(static_cast<Index>(column)).data();
-    scatter(from, group.size(), targets);
+    Targets<Scalar> targets;
+    unroll<width<Scalar>>([&](auto l) { targets[l] = (own[l]->*block).data() + BodyRows::lanes * column; });
+    scatter(from, targets);
   };
   for (std::size_t k = 0; k < r; ++k) write(C_inverse[k], &Blocks::C_inverse, k);
   for (std::size_t c = 0; c < d; ++c) write(P[c], &Blocks::P, c);
   for (std::size_t i = 0; r > 0 && i < 6; ++i) {
     write(F[i], &Blocks::F, i);
     Column<Scalar> row;
-    for (std::size_t j = 0; j < 6; ++j) row[j] = F[j][i];
+    unroll<6>([&](auto j) { row[j] = F[j][i]; });
     write(row, &Blocks::F_rows, i);
-    for (std::size_t j = 0; j < 6; ++j) row[j] = B[j][i];
+    unroll<6>([&](auto j) { row[j] = B[j][i]; });
     if (i >= d) write(row, &Blocks::S, i);
   }
   return {};
@@ -204,11 +211,15 @@ std::string_view JointTree::eliminate(const BodyRows& rows, std::span<const int>
 std::string_view JointTree::factorize(const BodyRows& rows) {
   smallest_pivot_ = 1;
   graph_.build(rows);
-  blocks_.resize(graph_.joints().size());
+  blocks_.resize(graph_.joints().size() + 1);
   for (std::size_t g = 0; g < graph_.groups(); ++g) {
     const auto group = graph_.group(g);
-    const auto refused = group.size() == 1 ? eliminate<double>(rows, group) : eliminate<Pack>(rows, group);
-    if (!refused.empty()) return refused;
+    const std::size_t side = group.size() == 1 ? 1 : Group::lanes;
+    for (std::size_t first = 0; first < group.size(); first += side) {
+      const auto part = group.subspan(first, std::min(side, group.size() - first));
+      const auto refused = side == 1 ? eliminate<double>(rows, part) : eliminate<Group>(rows, part);
+      if (!refused.empty()) return refused;
+    }
   }
   rest_.resize(BodyRows::lanes, rows.bodies());
   v_.resize(freedom());
@@ -218,7 +229,7 @@ std::string_view JointTree::factorize(const BodyRows& rows) {
 void JointTree::null_space(Matrix& Nt) const {
   const Index padded = (freedom() + 7) / 8 * 8, bodies = rest_.cols();
   if (Nt.rows() != padded || Nt.cols() != 6 * bodies) Nt.resize(padded, 6 * bodies);
-  for (std::size_t j = 0; j < blocks_.size(); ++j) {
+  for (std::size_t j = 0; j < graph_.joints().size(); ++j) {
     const JointGraph::Joint& joint = graph_.joints()[j];
     const Blocks& block = blocks_[j];
     const Index at = 6 * joint.body;
@@ -259,7 +270,7 @@ void JointTree::add_reduced(const std::array<int, 2>& body, Lanes own, Lanes oth
 
 // y = (own columns) x from the roots to the tips. F serves where X would: they differ by free motions.
 void JointTree::forward(const Own& own, const Vector& x, Motion& y) const {
-  for (std::size_t j = 0; j < blocks_.size(); ++j) {
+  for (std::size_t j = 0; j < graph_.joints().size(); ++j) {
     const JointGraph::Joint& joint = graph_.joints()[j];
     const Blocks& block = blocks_[j];
     Lanes sum = Lanes::Zero();
@@ -274,7 +285,7 @@ void JointTree::forward(const Own& own, const Vector& x, Motion& y) const {
 // range of G_E', so F does as well.
 void JointTree::backward(const Own& own, const Motion& y, Vector& x) const {
   rest_ = y;
-  for (std::size_t j = blocks_.size(); j-- > 0;) {
+  for (std::size_t j = graph_.joints().size(); j-- > 0;) {
     const JointGraph::Joint& joint = graph_.joints()[j];
     const Blocks& block = blocks_[j];
     const Lanes rest = rest_.col(joint.body);

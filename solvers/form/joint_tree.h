@@ -80,7 +80,7 @@ class JointTree {
   const JointGraph::Joint& joint(int position) const { return graph_.joints()[at(position)]; }
 
   JointGraph graph_;
-  std::vector<Blocks> blocks_;  // of the graph's joints
+  std::vector<Blocks> blocks_;  // of the graph's joints, and one to spare
   double smallest_pivot_ = 1;
   mutable Vector v_;
   mutable Motion rest_;

@@ -46,10 +46,12 @@ struct PackOf {
     for (int v = 0; v < parts; ++v) packets::store(x + v * packets::width, part[v]);
   }
 
+  // One after the other in so many words: what a loop goes through would stay in memory.
   template <class Operation, class... Others>
-  static PackOf each(Operation&& operation, const Others&... x) {
+  [[gnu::always_inline]] static PackOf each(Operation&& operation, const Others&... x) {
     PackOf out;
-    for (int v = 0; v < parts; ++v) out.part[v] = operation(x.part[v]...);
+    const auto one = [&](int v) { out.part[v] = operation(x.part[v]...); };
+    [&]<int... v>(std::integer_sequence<int, v...>) { (one(v), ...); }(std::make_integer_sequence<int, parts>{});
     return out;
   }
   friend PackOf operator+(const PackOf& a, const PackOf& b) {
@@ -80,12 +82,13 @@ struct PackOf {
 };
 using Pack = PackOf<static_cast<int>(width / packets::width)>;
 
-// Rows and columns of eight by eight change places.
-inline void transpose(std::array<Pack, width>& x) {
+// Rows and columns change places: of a square of `side` vectors.
+template <int count>
+[[gnu::always_inline]] inline void transpose(std::array<PackOf<count>, PackOf<count>::lanes>& x) {
   constexpr auto side = static_cast<std::size_t>(packets::width);
-  const std::array<Pack, width> from = x;
-  for (std::size_t r = 0; r < Pack::parts; ++r)
-    for (std::size_t c = 0; c < Pack::parts; ++c) {
+  const std::array<PackOf<count>, PackOf<count>::lanes> from = x;
+  for (std::size_t r = 0; r < count; ++r)
+    for (std::size_t c = 0; c < count; ++c) {
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wignored-attributes"
       Eigen::internal::PacketBlock<packets::Packet, packets::width> block;
