@@ -213,22 +213,24 @@ void JointSpaceActiveSet::locate() {
   y_ += rest_;
 }
 
-// (z, lambda) of the climb's point.
+// (z, lambda) of the climb's point; the rows listed are the active ones until the refinement has ended.
 void JointSpaceActiveSet::begin_from_climb() {
   const BodyRows& rows = form_.rows();
   mu_ = climb_.u();
   rest_ = y_;
-  for (Index k = 0; k < static_cast<Index>(climb_.active().size()); ++k) rows.add(active_row(k), -mu_[k], rest_);
+  listed_.clear();
+  for (Index k = 0; k < static_cast<Index>(climb_.active().size()); ++k) {
+    listed_.push_back(active_row(k));
+    rows.add(listed_.back(), -mu_[k], rest_);
+  }
   form_.multipliers(rest_, mu_E_);
   point_.begin(rows, y_);
   push(mu_E_, mu_);
 }
 
 void JointSpaceActiveSet::push(const Vector& mu_E, const Vector& mu_I) {
-  for (std::size_t k = 0; k < form_.equalities().size(); ++k)
-    point_.push(form_.rows(), form_.equalities()[k], mu_E[static_cast<Index>(k)]);
-  for (Index j = 0; j < static_cast<Index>(climb_.active().size()); ++j)
-    point_.push(form_.rows(), active_row(j), mu_I[j]);
+  point_.push(form_.rows(), form_.equalities(), mu_E.data());
+  point_.push(form_.rows(), listed_, mu_I.data());
 }
 
 // M (z_u - z) + J'lambda, whitened, and c - J z over the rows that hold with equality.
@@ -236,8 +238,6 @@ void JointSpaceActiveSet::compute_residuals() {
   const BodyRows& rows = form_.rows();
   point_.begin_force(rows);
   point_.add_rows(rows, form_.equalities(), sigma_E_.data());
-  listed_.clear();
-  for (Index j = 0; j < static_cast<Index>(climb_.active().size()); ++j) listed_.push_back(active_row(j));
   point_.add_rows(rows, listed_, sigma_I_.data());
   point_.whiten_force(rows, rho_);
 }

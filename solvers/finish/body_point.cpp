@@ -9,38 +9,53 @@
 namespace zwang {
 namespace {
 
-using Lanes = BodyRows::Lanes;
+// As much of a body's eight lanes as one of the processor's vectors holds: sums of two stay in its registers then, and
+// of all eight they would not.
+using Part = lanes::PackOf<1>;
+constexpr std::size_t side = Part::lanes;
+
+// each(v) for the vectors of eight lanes, which begin at v.
+template <class Each>
+[[gnu::always_inline]] inline void over_parts(Each&& each) {
+  lanes::unroll<lanes::width / side>([&](auto k) { each(std::integral_constant<std::size_t, k * side>{}); });
+}
 
 // a b - product, exactly.
-Lanes error_of(const Lanes& product, const Lanes& a, const Lanes& b) {
+[[gnu::always_inline]] inline Part error_of(const Part& product, const Part& a, const Part& b) {
 #ifdef __FMA__
-  Lanes error;
-  for (Index k = 0; k < BodyRows::lanes; ++k) error[k] = std::fma(a[k], b[k], -product[k]);
-  return error;
+  return multiply_add(a, b, -product);
 #else
   // Dekker's halves of 26 bits: fma() would be a call for each entry.
   constexpr double split = 0x1p27 + 1;
-  const Lanes a_high = split * a - (split * a - a), a_low = a - a_high;
-  const Lanes b_high = split * b - (split * b - b), b_low = b - b_high;
-  return ((a_high.cwiseProduct(b_high) - product) + a_high.cwiseProduct(b_low) + a_low.cwiseProduct(b_high)) +
-         a_low.cwiseProduct(b_low);
+  const Part a_split = Part(split) * a, a_high = a_split - (a_split - a), a_low = a - a_high;
+  const Part b_split = Part(split) * b, b_high = b_split - (b_split - b), b_low = b - b_high;
+  return ((a_high * b_high - product) + a_high * b_low + a_low * b_high) + a_low * b_low;
 #endif
 }
 
-// high + low, which stay in registers only where everything is inlined.
+// high + low.
 struct Sum {
-  Lanes high = Lanes::Zero(), low = Lanes::Zero();
+  Part high{0.0}, low{0.0};
 
-  [[gnu::always_inline]] void add(const Lanes& x) {
-    const Lanes after = high + x, part = after - high;
+  static Sum load(const double* high, const double* low) { return {Part::load(high), Part::load(low)}; }
+  void store(double* to_high, double* to_low) const {
+    high.store(to_high);
+    low.store(to_low);
+  }
+  // a (x + x_low).
+  [[gnu::always_inline]] static Sum of_product(const Part& a, const Sum& x) {
+    const Part product = a * x.high;
+    return {product, error_of(product, a, x.high) + a * x.low};
+  }
+  [[gnu::always_inline]] void add(const Part& x) {
+    const Part after = high + x, part = after - high;
     low += (high - (after - part)) + (x - part);
     high = after;
   }
-  // a (x + x_low).
-  [[gnu::always_inline]] void add_product(const Lanes& a, const Lanes& x, const Lanes& x_low) {
-    const Lanes product = a.cwiseProduct(x);
-    low += error_of(product, a, x) + a.cwiseProduct(x_low);
-    add(product);
+  [[gnu::always_inline]] void add_product(const Part& a, const Sum& x) {
+    const Sum product = of_product(a, x);
+    low += product.low;
+    add(product.high);
   }
 };
 
@@ -61,30 +76,42 @@ void BodyPoint::begin(const BodyRows& rows, const Motion& y) {
 
 void BodyPoint::move(const BodyRows& rows, const Motion& step) {
   for (Index b = 0; b < rows.bodies(); ++b) {
-    Sum own{z_.col(b), z_rest_.col(b)};
-    own.add(unit_ * BodyRows::times(rows.mass[at(b)].L_inverse_t, step.col(b)));
-    z_.col(b) = own.high;
-    z_rest_.col(b) = own.low;
+    const Lanes moved = unit_ * BodyRows::times(rows.mass[at(b)].L_inverse_t, step.col(b));
+    double *const high = z_.col(b).data(), *const low = z_rest_.col(b).data();
+    over_parts([&](auto v) {
+      Sum own = Sum::load(high + v, low + v);
+      own.add(Part::load(moved.data() + v));
+      own.store(high + v, low + v);
+    });
   }
 }
 
-void BodyPoint::push(const BodyRows& rows, Index i, double unit) {
-  const double step = unit_ * (unit / rows.row_norm[i]);
-  const DoubleDouble sum = DoubleDouble::exact_sum(lambda_[i], step);
-  lambda_[i] = sum.hi;
-  lambda_rest_[i] += sum.lo;
+void BodyPoint::push(const BodyRows& rows, std::span<const Index> listed, const double* unit) {
+  for (const Index i : listed) {
+    const double step = unit_ * (*unit++ / rows.row_norm[i]);
+    const DoubleDouble sum = DoubleDouble::exact_sum(lambda_[i], step);
+    lambda_[i] = sum.hi;
+    lambda_rest_[i] += sum.lo;
+  }
 }
 
 void BodyPoint::begin_force(const BodyRows& rows) {
-  force_.setZero(BodyRows::lanes, rows.bodies());
-  force_rest_.setZero(BodyRows::lanes, rows.bodies());
+  force_.resize(BodyRows::lanes, rows.bodies());
+  force_rest_.resize(BodyRows::lanes, rows.bodies());
   for (Index b = 0; b < rows.bodies(); ++b) {
-    Sum d{rows.z_u.col(b), -z_rest_.col(b)}, sum;
-    d.add(-z_.col(b));
-    const BodyRows::Block& M = rows.mass[at(b)].M;
-    for (Index c = 0; c < 6; ++c) sum.add_product(M.col(c), Lanes::Constant(d.high[c]), Lanes::Constant(d.low[c]));
-    force_.col(b) = sum.high;
-    force_rest_.col(b) = sum.low;
+    std::array<double, lanes::width> high, low;  // of z_u - z
+    over_parts([&](auto v) {
+      Sum d{Part::load(rows.z_u.col(b).data() + v), -Part::load(z_rest_.col(b).data() + v)};
+      d.add(-Part::load(z_.col(b).data() + v));
+      d.store(&high[v], &low[v]);
+    });
+    const double* const M = rows.mass[at(b)].M.data();
+    over_parts([&](auto v) {
+      Sum sum = Sum::of_product(Part::load(M + v), {Part(high[0]), Part(low[0])});
+      for (std::size_t c = 1; c < 6; ++c)
+        sum.add_product(Part::load(M + lanes::width * c + v), {Part(high[c]), Part(low[c])});
+      sum.store(force_.col(b).data() + v, force_rest_.col(b).data() + v);
+    });
   }
 }
 
@@ -95,41 +122,54 @@ void BodyPoint::violations(const BodyRows& rows, std::span<const Index> listed, 
     std::array<lanes::Pack, lanes::width> high, low;
     high.fill(lanes::Pack(0));
     low.fill(lanes::Pack(0));
-    Sum left;
-    Lanes size = Lanes::Ones();
+    std::array<double, lanes::width> c{}, size;
+    size.fill(1);
     for (std::size_t l = 0; l < count; ++l) {
       const Index i = listed[begin + l];
       const auto [first, second] = rows.body[at(i)];
-      Sum sum;
-      sum.add_product(rows.own_part(i, 0), z_.col(first), z_rest_.col(first));
-      if (second >= 0) sum.add_product(rows.own_part(i, 1), z_.col(second), z_rest_.col(second));
-      high[l] = lanes::Pack::load(sum.high.data());
-      low[l] = lanes::Pack::load(sum.low.data());
-      left.high[static_cast<Index>(l)] = rows.c[i];
-      size[static_cast<Index>(l)] = unit_ * rows.row_norm[i];
+      const double* const own = rows.own_part(i, 0).data();
+      const auto z = [&](int b, std::size_t v) { return Sum::load(z_.col(b).data() + v, z_rest_.col(b).data() + v); };
+      over_parts([&](auto v) {
+        Sum sum = Sum::of_product(Part::load(own + v), z(first, v));
+        if (second >= 0) sum.add_product(Part::load(own + lanes::width + v), z(second, v));
+        sum.store(high[l].data() + v, low[l].data() + v);
+      });
+      c[l] = rows.c[i];
+      size[l] = unit_ * rows.row_norm[i];
     }
     lanes::transpose(high);
     lanes::transpose(low);
-    for (std::size_t k = 0; k < 6; ++k) {
-      left.add(-lanes::at(high[k].data(), 0));
-      left.low -= lanes::at(low[k].data(), 0);
-    }
-    const Lanes all = (left.high + left.low).cwiseQuotient(size);
+    std::array<double, lanes::width> all;
+    over_parts([&](auto v) {
+      Sum left{Part::load(&c[v]), Part(0.0)};
+      for (std::size_t k = 0; k < 6; ++k) {
+        left.add(-Part::load(high[k].data() + v));
+        left.low -= Part::load(low[k].data() + v);
+      }
+      ((left.high + left.low) / Part::load(&size[v])).store(&all[v]);
+    });
     std::copy_n(all.data(), count, out + begin);
   }
 }
 
+// Rows between the same bodies mostly follow each other: their sums stay in registers meanwhile.
 void BodyPoint::add_rows(const BodyRows& rows, std::span<const Index> listed, double* out) {
   violations(rows, listed, out);
-  for (const Index i : listed) {
-    const Lanes own = Lanes::Constant(lambda_[i]), own_rest = Lanes::Constant(lambda_rest_[i]);
-    for (int side = 0; side < 2; ++side) {
-      const int b = rows.body[at(i)][at(side)];
-      if (b < 0) continue;
-      Sum sum{force_.col(b), force_rest_.col(b)};
-      sum.add_product(rows.own_part(i, side), own, own_rest);
-      force_.col(b) = sum.high;
-      force_rest_.col(b) = sum.low;
+  for (std::size_t begin = 0, end = 0; begin < listed.size(); begin = end) {
+    const auto [first, second] = rows.body[at(listed[begin])];
+    const auto is_same = [&](const std::array<int, 2>& b) { return b[0] == first && b[1] == second; };
+    while (end < listed.size() && is_same(rows.body[at(listed[end])])) ++end;
+    for (int which = 0; which < (second < 0 ? 1 : 2); ++which) {
+      const int b = which == 0 ? first : second;
+      double *const high = force_.col(b).data(), *const low = force_rest_.col(b).data();
+      std::array<Sum, lanes::width / side> sum;
+      over_parts([&](auto v) { sum[v / side] = Sum::load(high + v, low + v); });
+      for (std::size_t k = begin; k < end; ++k) {
+        const Sum multiplier{Part(lambda_[listed[k]]), Part(lambda_rest_[listed[k]])};
+        const double* const own = rows.own_part(listed[k], which).data();
+        over_parts([&](auto v) { sum[v / side].add_product(Part::load(own + v), multiplier); });
+      }
+      over_parts([&](auto v) { sum[v / side].store(high + v, low + v); });
     }
   }
 }

@@ -19,8 +19,8 @@ class BodyPoint {
   // z = z_u + 2^exponent L^-T y and lambda = 0; then z moves on by 2^exponent L^-T step.
   void begin(const BodyRows& rows, const Motion& y);
   void move(const BodyRows& rows, const Motion& step);
-  // Adds a multiplier of unit row i, in units of 2^exponent, to the problem's own.
-  void push(const BodyRows& rows, Index i, double unit);
+  // Adds multipliers of the unit rows listed, in units of 2^exponent, to the problem's own.
+  void push(const BodyRows& rows, std::span<const Index> listed, const double* unit);
 
   // What is left of the KKT conditions over the rows listed, in units of 2^exponent: their violations (below), and
   // rho = L^-1 (M (z_u - z) + J'lambda), in three parts: the first term, rows, the whole whitened.

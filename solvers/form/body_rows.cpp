@@ -1,7 +1,9 @@
 #include <zwang/solvers/form/body_rows.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <cstring>
 
 #include <zwang/core/problem/preparation.h>
@@ -143,27 +145,27 @@ bool BodyRows::load_rows(const Problem& p) {
   std::size_t k = 0;
   for (Index i = 0; i < m; ++i) {
     if (!std::isfinite(own_c[i])) continue;
-    const int begin = outer[i], end = counts ? begin + counts[i] : outer[i + 1];
-    int e = begin;
+    const int end = counts ? outer[i] + counts[i] : outer[i + 1];
     std::array<int, 2> met{-1, -1};
+    std::size_t bodies = 0;
     place[k] = (part - J.data()) / lanes;
-    for (int& b : met) {
-      while (e < end && entry[e] == 0) ++e;
-      if (e == end) break;
-      b = column[e] / 6;
-      const int first = 6 * b, all = e - (column[e] - first);
-      if (all >= begin && all + 5 < end && column[all] == first && column[all + 5] == first + 5) {
-        std::memcpy(part, entry + all, 6 * sizeof *part);
-        part[6] = part[7] = 0;
-        e = all + 6;
+    for (int e = outer[i]; e < end;) {
+      const int b = column[e] / 6, first = 6 * b;
+      std::array<std::uint64_t, 6> bits{};
+      if (column[e] == first && e + 5 < end && column[e + 5] == first + 5) {
+        std::memcpy(bits.data(), entry + e, sizeof bits);
+        e += 6;
       } else {
-        std::fill_n(part, lanes, 0.0);
-        for (; e < end && column[e] < first + 6; ++e) part[column[e] - first] = entry[e];
+        for (; e < end && column[e] < first + 6; ++e)
+          bits[at(column[e] - first)] = std::bit_cast<std::uint64_t>(entry[e]);
       }
+      if ((bits[0] | bits[1] | bits[2] | bits[3] | bits[4] | bits[5]) << 1 == 0) continue;  // zeros of either sign
+      if (bodies == met.size()) return false;
+      met[bodies++] = b;
+      std::memcpy(part, bits.data(), sizeof bits);
+      part[6] = part[7] = 0;
       part += lanes;
     }
-    while (e < end && entry[e] == 0) ++e;
-    if (e < end) return false;
     row[k] = i;
     equality[k] = p.is_equality(i);
     body[k++] = met;

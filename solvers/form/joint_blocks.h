@@ -15,6 +15,7 @@ namespace zwang::joint_blocks {
 
 // What is written for one joint holds for a group.
 using Group = lanes::PackOf<1>;
+using lanes::unroll;
 
 inline double root(double x) { return std::sqrt(x); }
 using lanes::root;
@@ -32,14 +33,6 @@ inline Group smaller(const Group& a, const Group& b) {
 }
 inline void set(double& x, double value) { x = value; }
 inline void set(Group& x, double value) { x = Group(value); }
-
-// each(0), each(1), ... in so many words: what a loop goes through stays in memory.
-template <std::size_t count, class Each>
-[[gnu::always_inline]] inline void unroll(Each&& each) {
-  [&]<std::size_t... i>(std::index_sequence<i...>) {
-    (each(std::integral_constant<std::size_t, i>{}), ...);
-  }(std::make_index_sequence<count>{});
-}
 
 template <class Scalar>
 using Column = std::array<Scalar, 6>;

@@ -5,16 +5,20 @@
 #include <numeric>
 #include <tuple>
 
+#include <zwang/solvers/linalg/packets.h>
+
 namespace zwang {
 
 bool JointGraph::is_known(const BodyRows& rows) const {
   if (known_bodies_ != rows.bodies()) return false;
-  if (std::ranges::count(rows.equality, 1) != static_cast<Index>(known_rows_.size())) return false;
-  for (std::size_t k = 0; k < known_rows_.size(); ++k) {
-    const Index i = known_rows_[k];
-    if (i >= rows.rows() || !rows.equality[at(i)] || known_[k] != rows.body[at(i)]) return false;
+  std::size_t k = 0;
+  for (Index i = 0; i < rows.rows(); ++i) {
+    if (!rows.equality[at(i)]) continue;
+    if (k == known_rows_.size() || known_rows_[k] != i) return false;
+    const auto [a, b] = rows.body[at(i)];
+    if (known_[k][0] != a || known_[k++][1] != b) return false;
   }
-  return true;
+  return k == known_rows_.size();
 }
 
 // So that nothing grows step by step in a first solve.
@@ -125,13 +129,28 @@ void JointGraph::group_joints() {
   }
   const auto kind = [&](int j) { return std::tuple(height_[at(j)], joints_[at(j)].count); };
   std::ranges::sort(order_, [&](int a, int b) { return std::tuple(kind(a), -a) < std::tuple(kind(b), -b); });
+  // A group is the first joint that is left and those behind it that need not wait, up to one level higher: a hand's
+  // fifth tip goes with three middle phalanges.
   group_end_.clear();
-  std::size_t begin = 0;
-  for (std::size_t k = 1; k <= order_.size(); ++k)
-    if (k == order_.size() || k - begin == BodyRows::lanes || kind(order_[k]) != kind(order_[begin])) {
-      group_end_.push_back(k);
-      begin = k;
+  done_.assign(joints_.size(), 0);
+  const auto is_ready = [&](int j) {
+    const auto first = done_.begin() + joints_[at(j)].first_child;
+    return std::all_of(first, first + joints_[at(j)].children, [](char done) { return done != 0; });
+  };
+  for (std::size_t begin = 0, end = 0; begin < order_.size(); begin = end) {
+    const auto [height, count] = kind(order_[begin]);
+    ++end;
+    for (std::size_t k = end; k < order_.size() && end - begin < packets::width; ++k) {
+      const int j = order_[k];
+      if (height_[at(j)] > height + 1) break;
+      if (joints_[at(j)].count != count || !is_ready(j)) continue;
+      std::shift_right(order_.begin() + static_cast<std::ptrdiff_t>(end),
+                       order_.begin() + static_cast<std::ptrdiff_t>(k) + 1, 1);
+      order_[end++] = j;
     }
+    for (std::size_t k = begin; k < end; ++k) done_[at(order_[k])] = 1;
+    group_end_.push_back(end);
+  }
 }
 
 // Of the first and the last body of each row (Fowler, Noll & Vo's hash): where it errs, storage is shared, no more.

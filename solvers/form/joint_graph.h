@@ -32,8 +32,8 @@ class JointGraph {
   const std::vector<Index>& cut() const { return cut_; }              // of BodyRows
   int position_of(int body) const { return position_[at(body)]; }     // in joints()
   Index freedom() const { return freedom_; }
-  // Joints of as many rows that stand equally far above the tips, up to `lanes` together, children before parents:
-  // none of them waits for another.
+  // Joints of as many rows, as many together as the processor's vectors hold, children before parents: none of them
+  // waits for another.
   std::size_t groups() const { return group_end_.size(); }
   std::span<const int> group(std::size_t g) const {
     const std::size_t begin = g > 0 ? group_end_[g - 1] : 0;
@@ -59,11 +59,11 @@ class JointGraph {
   std::vector<Joint> joints_;
   std::vector<Index> tree_rows_, cut_, sorted_;
   std::vector<Edge> edges_;
-  std::vector<int> edges_of_, edge_begin_;  // of one body after the other, the world last; where each begins
-  std::vector<char> reached_, used_;        // of a body or the world; of an edge
-  std::vector<int> order_;                  // positions in joints_
-  std::vector<int> height_;                 // of a joint above the tips
-  std::vector<int> position_;               // of a body, in joints_
+  std::vector<int> edges_of_, edge_begin_;   // of one body after the other, the world last; where each begins
+  std::vector<char> reached_, used_, done_;  // of a body or the world; of an edge; of a joint
+  std::vector<int> order_;                   // positions in joints_
+  std::vector<int> height_;                  // of a joint above the tips
+  std::vector<int> position_;                // of a body, in joints_
   std::vector<std::size_t> group_end_;
   std::vector<std::array<int, 2>> known_;  // what the graph was built for
   std::vector<Index> known_rows_;

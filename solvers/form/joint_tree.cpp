@@ -153,7 +153,7 @@ template <class Scalar>
     C_inverse[k] = x;
   }
 
-  // R [Z, X] = Q_z [T, B; 0, S], X = -C^+ D; P = Z T^-1 and F = X - P B, column by column.
+  // R [Z, X] = Q_z [T, B; 0, S], X = -C^+ D; P = Z T^-1 and F = X - P B, column by column. Of a root, T is R.
   Square<Scalar> R, P, B, F;
   const bool carries = accumulate(group, R);
   const auto multiply = [&](Column<Scalar>& x) __attribute__((always_inline)) {
@@ -168,7 +168,7 @@ template <class Scalar>
   const auto part_from = [&](Column<Scalar>& t, Column<Scalar>& x, std::size_t columns) __attribute__((always_inline)) {
     unroll<6>([&](auto c) {
       if (c >= columns) return;
-      turn[c].apply(t);
+      if (r > 0) turn[c].apply(t);
       subtract(t[c], P[c], x);
     });
   };
@@ -176,8 +176,8 @@ template <class Scalar>
     Column<Scalar> t = Q[r + c], x = t;
     multiply(t);
     part_from(t, x, c);
-    turn[c].take(t, c);
-    scale(turn[c].reciprocal, x);
+    if (r > 0) turn[c].take(t, c);
+    scale(r > 0 ? turn[c].reciprocal : 1 / t[c], x);
     P[c] = x;
   }
   for (std::size_t j = 0; r > 0 && j < 6; ++j) {
@@ -214,12 +214,8 @@ std::string_view JointTree::factorize(const BodyRows& rows) {
   blocks_.resize(graph_.joints().size() + 1);
   for (std::size_t g = 0; g < graph_.groups(); ++g) {
     const auto group = graph_.group(g);
-    const std::size_t side = group.size() == 1 ? 1 : Group::lanes;
-    for (std::size_t first = 0; first < group.size(); first += side) {
-      const auto part = group.subspan(first, std::min(side, group.size() - first));
-      const auto refused = side == 1 ? eliminate<double>(rows, part) : eliminate<Group>(rows, part);
-      if (!refused.empty()) return refused;
-    }
+    const auto refused = group.size() == 1 ? eliminate<double>(rows, group) : eliminate<Group>(rows, group);
+    if (!refused.empty()) return refused;
   }
   rest_.resize(BodyRows::lanes, rows.bodies());
   v_.resize(freedom());

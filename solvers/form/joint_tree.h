@@ -23,8 +23,9 @@ namespace zwang {
 // v_b being the joint's own coordinates. Forward, these products are the columns of N: an orthonormal basis, G_E N = 0,
 // of 6 columns a floating root and 6 - rank a joint; a row of a body meets the columns of its ancestors only.
 //
-// Joints that do not wait for each other (the same phalanx of five fingers) are eliminated together, one a lane: roots
-// and quotients, which wait for each other twelve times a joint, then do so once for all of them.
+// Joints that do not wait for each other (the same phalanx of several fingers) are eliminated together, one a lane of a
+// vector of the processor: roots and quotients, which wait for each other twelve times a joint, then do so once for all
+// of them. Two vectors at a time were tried: fewer steps, each of which passes through memory.
 //
 // factorize() refuses, with the reason, joints whose rows are nearly dependent (the decision which of them count needs
 // the careful path of equality_elimination.h).
@@ -72,7 +73,7 @@ class JointTree {
   void forward(const Own& own, const Vector& x, Motion& y) const;
   void backward(const Own& own, const Motion& y, Vector& x) const;
 
-  // Scalar: double for one joint, eight lanes for a group.
+  // Scalar: double for one joint, a vector of the processor for a group.
   template <class Scalar>
   std::string_view eliminate(const BodyRows& rows, std::span<const int> group);
   template <class Scalar>

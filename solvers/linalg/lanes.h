@@ -20,6 +20,14 @@ inline Index round_up(Index size) { return (size + width - 1) / width * width; }
 inline auto at(const double* x, Index k) { return Eigen::Map<const Lanes>(x + k); }
 inline auto at(double* x, Index k) { return Eigen::Map<Lanes>(x + k); }
 
+// each(0), each(1), ... in so many words: what a loop goes through stays in memory.
+template <std::size_t count, class Each>
+[[gnu::always_inline]] inline void unroll(Each&& each) {
+  [&]<std::size_t... i>(std::index_sequence<i...>) {
+    (each(std::integral_constant<std::size_t, i>{}), ...);
+  }(std::make_index_sequence<count>{});
+}
+
 // The same number of several bodies, joints or cones, one a lane, in as many of the processor's vectors. Eigen's array
 // of eight would pass through memory between any two operations where a vector of the processor is shorter.
 template <int count>
@@ -46,12 +54,10 @@ struct PackOf {
     for (int v = 0; v < parts; ++v) packets::store(x + v * packets::width, part[v]);
   }
 
-  // One after the other in so many words: what a loop goes through would stay in memory.
   template <class Operation, class... Others>
   [[gnu::always_inline]] static PackOf each(Operation&& operation, const Others&... x) {
     PackOf out;
-    const auto one = [&](int v) { out.part[v] = operation(x.part[v]...); };
-    [&]<int... v>(std::integer_sequence<int, v...>) { (one(v), ...); }(std::make_integer_sequence<int, parts>{});
+    unroll<parts>([&](auto v) { out.part[v] = operation(x.part[v]...); });
     return out;
   }
   friend PackOf operator+(const PackOf& a, const PackOf& b) {

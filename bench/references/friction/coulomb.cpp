@@ -30,7 +30,7 @@ double first_scale(const Problem& problem, const ScaledProblem& scaled) {
 class Search {
  public:
   Search(const Problem& problem, const ScaledProblem& scaled, double scale)
-      : problem_(problem), scaled_(scaled), p_(problem, scaled, scale) {}
+      : problem_(problem), p_(problem, scaled, scale) {}
 
   bool usable() {
     bool contradictory = p_.fixed_contradiction;
@@ -163,7 +163,6 @@ class Search {
   double distance(const ExtendedVector& a, const ExtendedVector& b) const { return p_.norm(a - b); }
 
   const Problem& problem_;
-  const ScaledProblem& scaled_;
   ContactProblem p_;
   double work_ = 0;
   std::vector<Index> equalities_;
