@@ -9,24 +9,6 @@ namespace {
 
 using End = ConeStarts::End;
 
-// What is tried where all before it failed. What a start is too large or too small for shows at the end only.
-struct Rung {
-  End (ConeStarts::*run)(const ConeStarts::Job&, double start);
-  double start = ConeStarts::first_start;
-};
-constexpr Rung ladder[] = {{&ConeStarts::from_rest},        {&ConeStarts::from_warm},
-                           {&ConeStarts::from_few_steps},   {&ConeStarts::from_path, 10},
-                           {&ConeStarts::from_path, 0.3},   {&ConeStarts::from_start},
-                           {&ConeStarts::from_start, 0.03}, {&ConeStarts::from_convex_problems},
-                           {&ConeStarts::from_sweeps}};
-
-End run_ladder(ConeStarts& starts, const ConeStarts::Job& job) {
-  End end = End::failed;
-  for (const auto& [run, start] : ladder)
-    if (end == End::failed) end = (starts.*run)(job, start);
-  return end;
-}
-
 // Unknowns that are never cut apart: a body's six. In files without M (M = I then) any may stand alone; without
 // friction the solver that is handed the problem looks for parts itself.
 Index unit_of(const Problem& problem) {
@@ -76,9 +58,8 @@ void Cone::Work::solve(Cone& cone, const Problem& p, const SolveOptions& options
 void Cone::Work::climb(const ConeStarts::Job& job) {
   const auto& [p, options, deadline, solution, best, finish] = job;
   if (!starts_.begin(job, ConeProgram::Want::any)) return;
-  End end = run_ladder(starts_, job);
-  if (end == End::failed && starts_.can_couple(job))
-    end = starts_.couple(job) ? run_ladder(starts_, job) : End::written;
+  End end = starts_.climb(job);
+  if (end == End::failed && starts_.can_couple(job)) end = starts_.couple(job) ? starts_.climb(job) : End::written;
   if ((end == End::failed || end == End::limit) && starts_.stands(job, true)) end = End::accepted;
   // Also where a limit ended it near enough; but of time, which a look would take.
   if (end == End::written || ((end == End::accepted || !deadline.passed()) && starts_.promises(job))) return;

@@ -31,6 +31,25 @@ constexpr double promising_from = 0.001;
 
 }  // namespace
 
+// What a start is too large or too small for shows at the end only.
+const std::array<ConeStarts::Rung, 9> ConeStarts::ladder{
+    {{&ConeStarts::always, &ConeStarts::from_rest},
+     {&ConeStarts::has_warm, &ConeStarts::from_warm},
+     {&ConeStarts::may_take_few_steps, &ConeStarts::from_few_steps},
+     {&ConeStarts::may_follow, &ConeStarts::from_path, 10},
+     {&ConeStarts::may_follow, &ConeStarts::from_path, 0.3},
+     {&ConeStarts::may_start, &ConeStarts::from_start},
+     {&ConeStarts::may_start, &ConeStarts::from_start, 0.03},
+     {&ConeStarts::has_slips, &ConeStarts::from_convex_problems},
+     {&ConeStarts::may_sweep, &ConeStarts::from_sweeps}}};
+
+ConeStarts::End ConeStarts::climb(const Job& job) {
+  End end = End::failed;
+  for (const auto& [applies, run, start] : ladder)
+    if (end == End::failed && (this->*applies)(job, start)) end = (this->*run)(job, start);
+  return end;
+}
+
 void ConeStarts::Best::keep(const Vector& other_v, const Vector& other_y, double residual) {
   if (!(residual < natural) || !other_v.allFinite() || !other_y.allFinite()) return;
   v = other_v;
@@ -60,10 +79,12 @@ bool ConeStarts::run_modes(const Job& job, int most, int more) {
   return takes(job, modes_.residual, modes_.v, modes_.y, modes_.settled);
 }
 
+bool ConeStarts::has_warm(const Job& job, double) {
+  return program_.is_dense() && program_.warm(job.problem, job.options.warm_start, modes_.y);
+}
+
 ConeStarts::End ConeStarts::from_warm(const Job& job, double) {
-  if (!program_.warm(job.problem, job.options.warm_start, modes_.y)) return End::failed;
   modes_.v.setZero(program_.face().unknowns());
-  if (!program_.is_dense()) return End::failed;
   program_.face().force(modes_.y, modes_.v);
   modes_.begin(program_, modes_.v, modes_.y);
   if (modes_.residual.natural > tolerances::cone_other_frame * program_.scale(modes_.v)) return End::failed;
@@ -72,7 +93,6 @@ ConeStarts::End ConeStarts::from_warm(const Job& job, double) {
 }
 
 ConeStarts::End ConeStarts::from_start(const Job& job, double start) {
-  if (start != first_start && can_couple(job)) return End::failed;
   Best& best = job.best;
   if (start == first_start && program_.is_dense() && inside_.follows() && arrives(best, tolerances::cone_near_behind)) {
     program_.face().force(best.y, modes_.v);  // the best may be a guess, whose motion is not that of its forces
@@ -83,18 +103,22 @@ ConeStarts::End ConeStarts::from_start(const Job& job, double start) {
   return job.solution.iterations - begun_ < most_coupled ? from_inside(job, start) : End::failed;
 }
 
+bool ConeStarts::may_take_few_steps(const Job& job, double) {
+  return program_.couples() && !(arrives(job.best, tolerances::cone_arrives) && job.solution.iterations > 0);
+}
+
 ConeStarts::End ConeStarts::from_few_steps(const Job& job, double start) {
-  if (!program_.couples() || (arrives(job.best, tolerances::cone_arrives) && job.solution.iterations > 0))
-    return End::failed;
   begun_ = job.solution.iterations;
   return from_inside(job, start, Way::quick);
 }
 
-ConeStarts::End ConeStarts::from_path(const Job& job, double start) {
-  if (!program_.couples()) return End::failed;
+bool ConeStarts::may_follow(const Job&, double) {
+  if (!program_.couples() || !inside_.follows()) return program_.couples();
   const double unit = program_.start();
-  if (inside_.follows() && (!program_.is_dense() || inside_.gap() <= tolerances::cone_far_end * unit * unit))
-    return End::failed;
+  return program_.is_dense() && !(inside_.gap() <= tolerances::cone_far_end * unit * unit);
+}
+
+ConeStarts::End ConeStarts::from_path(const Job& job, double start) {
   begun_ = job.solution.iterations;
   return from_inside(job, start, Way::path);
 }
@@ -207,7 +231,7 @@ ConeStarts::End ConeStarts::from_inside(const Job& job, double start, Way way) {
 }
 
 ConeStarts::End ConeStarts::from_sweeps(const Job& job, double) {
-  if (program_.is_dense() || !program_.couples() || !sweeps_.begin(program_)) return End::failed;
+  if (!sweeps_.begin(program_)) return End::failed;
   Vector &v = swept_.v, &y = swept_.y;
   v.setZero(program_.face().unknowns());
   y = job.best.y;
@@ -271,10 +295,13 @@ bool ConeStarts::stands(const Job& job, bool at_last) {
   return true;
 }
 
+bool ConeStarts::has_slips(const Job& job, double) {
+  if (!program_.law().lifts()) return false;
+  return program_.is_dense() || (!program_.face().takes_unsymmetric() && all_but_rests(job.best));
+}
+
 ConeStarts::End ConeStarts::from_convex_problems(const Job& job, double start) {
   const bool dense = program_.is_dense();
-  if (!program_.law().lifts() || !(dense || (!program_.face().takes_unsymmetric() && all_but_rests(job.best))))
-    return End::failed;
   const auto& [p, options, deadline, solution, best, finish] = job;
   SolveOptions rest = options;
   rest.observe = nullptr;
