@@ -2,25 +2,24 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <zwang/collision/narrow_phase/closest.h>
 
 namespace zwang::collision {
 namespace {
 
+constexpr int descents = 4;
+
 bool hides(const Plane& plane, const TreeNode& node) {
-  double highest = 0;
-  for (std::size_t k = 0; k < 3; ++k) {
-    const double n = plane.normal[static_cast<Index>(k)];
-    highest += n * static_cast<double>(n > 0 ? node.high[k] : node.low[k]);
-  }
-  return highest <= plane.offset + Plane::tolerance;
+  return node.height(plane.normal) <= plane.offset + Plane::tolerance;
 }
 
 }  // namespace
 
-// A first walk down the nearer children gives a bound; then all that is nearer is looked at. Of triangles that are
-// equally near the first one counts.
+// Walks down the nearer children give a bound; then all that is nearer is looked at. Of triangles that are equally near
+// the first one counts. One large triangle among slivers makes their box near to everything, and what is in it may be
+// far: so the nearest half that was passed by is where the next walk down starts.
 std::optional<NearestPoint> nearest(const Tree& tree, const Vec3& p, double reach, std::span<const Plane> hidden) {
   const auto hidden_by_any = [&](const auto& test) { return std::any_of(hidden.begin(), hidden.end(), test); };
   const std::span<const TreeNode> nodes = tree.nodes();
@@ -43,13 +42,20 @@ std::optional<NearestPoint> nearest(const Tree& tree, const Vec3& p, double reac
     const Slab* slab = square < least ? tree.slab(node) : nullptr;
     return slab ? std::max(square, slab->distance2(p)) : square;
   };
-  std::size_t top = 0;
-  while (!tree.leaf(top)) top = bound(top + 1) <= bound(nodes[top + 1].skip) ? top + 1 : nodes[top + 1].skip;
-  visit(nodes[top].first, tree.range(top).second);
-  const std::size_t seen = top;
+  std::pair<double, std::size_t> other{0, 0};
+  for (int k = 0; k < descents && other.first < least; ++k) {
+    std::size_t top = std::exchange(other, {least, 0}).second;
+    while (!tree.leaf(top)) {
+      const std::size_t left = top + 1, right = nodes[left].skip;
+      const auto [near, far] = std::minmax({std::pair(bound(left), left), std::pair(bound(right), right)});
+      other = std::min(other, far);
+      top = near.second;
+    }
+    visit(nodes[top].first, tree.range(top).second);
+  }
   tree.walk(
       [&](const TreeNode& node, std::size_t number) {
-        if (number == seen || !nearer(node.distance2(p), node.first)) return false;
+        if (!nearer(node.distance2(p), node.first)) return false;
         if (const Slab* slab = tree.slab(number); slab && !nearer(slab->distance2(p), node.first)) return false;
         return !hidden_by_any([&](const Plane& plane) { return hides(plane, node); });
       },

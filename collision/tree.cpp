@@ -142,12 +142,12 @@ void Tree::find_box() {
 
 // Where it has a small part of the surface of the box along the axes.
 void Tree::find_slabs() {
-  constexpr std::uint32_t most = 64;  // triangles; above that a subtree of slivers is no strip any more
+  constexpr std::uint32_t most = 64;  // triangles; above that what is not of slivers is no strip any more
   constexpr double small = 0.2;
   const auto surface = [](const Vec3& w) { return w.x() * w.y() + w.y() * w.z() + w.z() * w.x(); };
   for (std::size_t k = 0; k < nodes().size(); ++k) {
     const auto [begin, end] = range(k);
-    if (end - begin > most) continue;
+    if (end - begin > most && !of_slivers_) continue;
     const TreeNode& n = nodes_[k];
     const Slab slab = slab_about(k);
     if (surface(slab.high - slab.low) >

@@ -28,6 +28,16 @@ struct TreeNode {
       sum += up[static_cast<Index>(k)] * (up[static_cast<Index>(k)] > 0 ? high : low)[k];
     return sum;
   }
+  Vec3 nearest(const Vec3& p) const {
+    return Vec3(std::clamp<double>(p.x(), low[0], high[0]), std::clamp<double>(p.y(), low[1], high[1]),
+                std::clamp<double>(p.z(), low[2], high[2]));
+  }
+  // Its second longest side.
+  double width() const {
+    std::array side{high[0] - low[0], high[1] - low[1], high[2] - low[2]};
+    std::ranges::sort(side);
+    return side[1];
+  }
   // From p to the box, squared.
   double distance2(const Vec3& p) const {
     double sum = 0;
@@ -88,6 +98,19 @@ class Tree {
     return slabs_.empty() || slab_at_[node] == no_slab ? nullptr : &slabs_[slab_at_[node]];
   }
   bool of_slivers() const { return of_slivers_; }
+  // The point nearest to p of a node's box, oblique where it has one.
+  Vec3 nearest(std::size_t node, const Vec3& p) const {
+    if (const Slab* box = slab(node))
+      return box->axes * (box->axes.transpose() * p).cwiseMax(box->low).cwiseMin(box->high);
+    return nodes_[node].nearest(p);
+  }
+  // The greatest coordinate along `up` of that box.
+  double height(std::size_t node, const Vec3& up) const {
+    const Slab* box = slab(node);
+    if (box == nullptr) return nodes_[node].height(up);
+    const Vec3 n = box->axes.transpose() * up;
+    return n.cwiseProduct(box->low).cwiseMax(n.cwiseProduct(box->high)).sum();
+  }
   // Depth first: `enter(node, number)` decides whether a node's subtree is visited, `visit(first, end)` gets the
   // triangles of each leaf that was entered.
   template <class Enter, class Visit>

@@ -188,7 +188,8 @@ void World::collect_mesh(const Tree& tree, const Region& region, double reach, b
     const auto [begin, end] = tree.range(number);
     if (shape.core() == Core::hull) return true;
     if (tree.of_slivers()) {
-      if (tree.leaf(number) || (end - begin > patch_size && !swept)) return true;
+      // A body flat on many keeps touches at several places: about one alone it would turn until a sweep stops it.
+      if (!swept && end - begin > patch_size && node.width() > (shape.reach() + shape.radius()) / 4) return true;
       const PlaneOver plane = plane_over(shape, place, tree, number, shape.radius() + reach);
       const double gap = plane.distance - shape.radius(), most = plane.most - shape.radius();
       if (gap > reach) return false;

@@ -66,8 +66,9 @@ class World {
 
   // Everything nearer than `activation` [m], in the order of a, b, and the leaves of b's tree. One entry for two shapes
   // (and up to six more at the corners of the area where two faces overlap), for a shape and a triangle, or for a shape
-  // and a patch of up to 64 triangles whose smallest gap one separating plane gives to a tenth of itself and of the
-  // stop distance, and never too large; point_a, straight above the nearest vertex, may then lie beside the shape.
+  // and a patch whose smallest gap one separating plane gives to a tenth of itself and of the stop distance, and never
+  // too large; point_a, straight above the nearest vertex, may then lie beside the shape. A patch is up to 64
+  // triangles, or slivers side by side across no more than a quarter of the shape's reach.
   // Valid until the next call.
   std::span<const Touch> touches(double activation);
 

@@ -5,6 +5,10 @@
 namespace zwang::collision {
 namespace {
 
+// Triangles of slivers up to which the corners say how high a plane over them lies: boxes of more are as good, or of no
+// use to begin with.
+constexpr std::uint32_t exact_size = 256;
+
 // The point that is highest along `up`. (Two or four maxima in parallel are slower: memory is the limit.)
 struct Highest {
   double height = -std::numeric_limits<double>::infinity();
@@ -19,6 +23,21 @@ struct Highest {
 // Of the core above all that is no higher than `height` along the normal, in B's axes and, `local`, in A's.
 double separation(const Shape& shape, const Pose<double>& place, const Vec3& local, const Vec3& normal, double height) {
   return -local.cwiseAbs().dot(shape.half()) - (height - normal.dot(place.position));
+}
+
+// Of a subtree the triangle nearest to the core, as far as boxes tell.
+std::uint32_t nearest_triangle(const Shape& shape, const Pose<double>& place, const Tree& tree, std::size_t node) {
+  Vec3 p = place.position;
+  while (!tree.leaf(node)) {
+    const std::size_t left = node + 1, right = tree.nodes()[left].skip;
+    const Vec3 on_left = tree.nearest(left, p), on_right = tree.nearest(right, p);
+    const bool nearer = (on_left - p).squaredNorm() <= (on_right - p).squaredNorm();
+    node = nearer ? left : right;
+    p = place * shape.nearest(place.rotation.transpose() * ((nearer ? on_left : on_right) - place.position));
+  }
+  const auto [begin, end] = tree.range(node);
+  return std::ranges::min(std::views::iota(begin, end), {},
+                          [&](std::uint32_t t) { return (nearest_point(tree.triangle(t), p) - p).squaredNorm(); });
 }
 
 }  // namespace
@@ -57,12 +76,11 @@ Closest plane_between(const Shape& shape, const Pose<double>& place, std::span<c
 
 PlaneOver plane_over(const Shape& shape, const Pose<double>& place, const Tree& tree, std::size_t node, double reach) {
   const auto [begin, end] = tree.range(node);
-  const Triangle middle = tree.triangle((begin + end) / 2);
-  PlaneOver out{closest(shape, place, {.triangle = &middle}, reach)};
+  const Triangle near = tree.triangle(nearest_triangle(shape, place, tree, node));
+  PlaneOver out{closest(shape, place, {.triangle = &near}, reach)};
   out.most = out.distance;
   const Vec3& n = out.normal;
-  const double height =
-      end - begin > patch_size ? tree.nodes()[node].height(n) : Highest(n, tree.points(begin, end)).height;
+  const double height = end - begin > exact_size ? tree.height(node, n) : Highest(n, tree.points(begin, end)).height;
   out.on_b += (height - n.dot(out.on_b)) * n;
   out.distance = separation(shape, place, place.rotation.transpose() * n, n, height);
   return out;

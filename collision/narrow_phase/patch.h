@@ -81,8 +81,9 @@ bool patch_plane(const Region& region, const Region::LocalBox& box, std::span<co
 Closest plane_between(const Shape& shape, const Pose<double>& place, std::span<const Vec3> points, const Vec3& near);
 
 // Of slivers side by side, whose corners are far off to the side: the plane across the nearest points of the core and
-// of one of a subtree's triangles, moved up to the highest corner of all of them, of more than a patch to that of their
-// box. on_b is on the plane, beside the core. B's axes. `reach`: as for closest().
+// of a subtree's triangle that is nearest as far as boxes tell, moved up to the highest corner of all of them, of more
+// than 256 to that of their box. Over what bulges toward the core such a plane is exact, over however many. on_b is on
+// the plane, beside the core. B's axes. `reach`: as for closest().
 struct PlaneOver : Closest {
   double most = 0;  // m, the distance of that one triangle: an upper bound, unless it is beyond reach
 };
