@@ -71,9 +71,12 @@ void CarefulClimb::combine(const Vector& part, double sign) {
   for (Index k = 0; k < e; ++k) unit_[active_[k]] = sign * equality_[k];
 }
 
-// The resting row that is violated most on unit rows, or -1.
+// The resting row that is violated most on unit rows, or -1. Without equality rows v is y, and rows keep their zeros.
 Index CarefulClimb::choose() {
-  slack_.noalias() = active_.A().transpose() * v_;
+  if (active_.rank() == 0)
+    slack_.noalias() = w_->G * v_;
+  else
+    slack_.noalias() = active_.A().transpose() * v_;
   slack_ -= active_.b();
   const double y_norm = std::hypot(active_.y_E_norm(), v_.norm());
   Index worst = -1;

@@ -139,10 +139,13 @@ bool JointSpaceActiveSet::solve(const Problem& p, const SolveOptions& options, S
 }
 
 // Rows enter the climb when its optimum violates them; the others are only held against the answer. A warm start whose
-// rows are the active ones climbs nothing.
+// rows are the active ones climbs nothing. Without joints rows cost nothing to reduce, and all enter at once where they
+// are not many: of those that came in parts, many left again (walls, stacks).
 bool JointSpaceActiveSet::climb(const SolveOptions& options, const Deadline& deadline, std::span<const Index> active,
                                 int& iterations) {
   start_.clear();
+  const Index rows = static_cast<Index>(place_.size()), many = 2 * form_.freedom();
+  for (Index j = 0; j < rows && rows < many && form_.equalities().empty(); ++j) take(j);
   for (const Index j : active) {
     take(j);
     start_.push_back(place_[at(j)]);
@@ -347,6 +350,8 @@ double JointSpaceActiveSet::inside(double unbalanced) {
   sigma_I_.head(q).setOnes();
   climb_.solve(s_v_, sigma_I_, dv_, dmu_);
   form_.expand(dv_, step_);
+  for (Index k = 0; k < q; ++k) listed_.push_back(active_row(k));
+  open_all(rows, listed_, step_);
   const double length = step_.norm(), loose = tolerances::wide_violation * DenseDualActiveSet::epsilon * length;
   const auto violated = [&](Index i) {
     const double slack = rows.dot(i, y_) - rows.h[i];

@@ -99,10 +99,7 @@ class QrRows : public ActiveRows {
     if (accepts(share)) rows_.push_back(row);
     return share;
   }
-  double share(Index row) override {
-    constexpr double never = 2;
-    return qr_.append(column(row), never);
-  }
+  double share(Index row) override { return qr_.share(column(row)); }
   void drop(Index position) override {
     qr_.drop(position - first());
     forget(position);

@@ -52,11 +52,11 @@ const Vector& EliminatedRows::reduced(Index row) {
   return v_;
 }
 
-double EliminatedRows::share(Index row) { return qr_.size() < freedom() ? qr_.split(reduced(row)) : 0; }
+double EliminatedRows::share(Index row) { return qr_.size() < freedom() ? qr_.share(reduced(row)) : 0; }
 
 double EliminatedRows::append(Index row) {
   deadline_->keep();
-  const double part = share(row);
+  const double part = qr_.size() < freedom() ? qr_.split(reduced(row)) : 0;
   if (!accepts(part)) return part;
   qr_.append();
   rows_.push_back(row);

@@ -439,6 +439,8 @@ double ExtendedPolish<Real>::bound_inside(ActiveRows& active) {
   r1_.setZero();
   r2.setOnes();
   active.correct(r1_, r2);
+  touching_.insert(touching_.end(), active.rows().begin(), active.rows().end());
+  open_all(*w_, touching_, r1_);
   const double length = r1_.norm(), rounding = tolerances::violation * epsilon * length;
   const double way = way_inside([&](const auto& visit) {
     for (Index i = 0; i < w_->rows(); ++i)

@@ -180,9 +180,13 @@ inline void add(double scale, const double* x, double* y, Index padded) {
   for (Index k = 0; k < padded; k += width) at(y, k) = multiply_add(scale, at(x, k), at(y, k));
 }
 
-// y = A'x over `count` columns.
+// y = A'x over `count` columns, of what lies between the zeros of a long x: a contact meets two bodies.
 inline void multiply_transposed(const Columns& A, Index count, const double* x, double* y, Index padded) {
-  for (Index j = 0; j < count; ++j) y[j] = dot(A.col(j).data(), x, padded);
+  Index begin = 0, end = padded;
+  const auto is_zero = [&](Index k) { return (at(x, k).array() == 0).all(); };
+  while (padded > four && begin + width < end && is_zero(begin)) begin += width;
+  while (padded > four && begin + width < end && is_zero(end - width)) end -= width;
+  for (Index j = 0; j < count; ++j) y[j] = dot(A.col(j).data() + begin, x + begin, end - begin);
 }
 
 // y += A x over `count` columns, rows from `begin` to `end`; y -= A x likewise. In two sums.

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include <zwang/core/problem/types.h>
+#include <zwang/solvers/linalg/tolerances.h>
 
 namespace zwang {
 
@@ -11,9 +12,10 @@ namespace zwang {
 // pivots, by orthogonal updates only.
 //
 // Daniel, Gragg, Kaufman & Stewart, Reorthogonalization and stable algorithms for updating the Gram-Schmidt QR
-// factorization (1976): a new column is orthogonalized twice against Q, which leaves Q orthonormal to rounding whatever
-// the remainder; a column leaves by Givens rotations. Only the thin Q is kept: its complement, which Goldfarb & Idnani
-// carry along, would cost an n x (n - q) rotation a step and gives nothing that the remainder does not.
+// factorization (1976): a new column is orthogonalized against Q, and again by Kahan's criterion, which leaves Q
+// orthonormal to rounding whatever the remainder; a column leaves by Givens rotations. Only the thin Q is kept: its
+// complement, which Goldfarb & Idnani carry along, would cost an n x (n - q) rotation a step and gives nothing that the
+// remainder does not.
 //
 // Both ways cost O(rows x size), where a fresh factorization costs O(rows x size^2). Tried before: Householder
 // reflectors kept in place; dropping a column then means refactoring everything to its right.
@@ -49,16 +51,26 @@ class BasicThinQr {
   // a = Q d + remainder, the remainder orthogonal to Q. Returns its length.
   template <class Column>
   Scalar split(const Column& a) {
-    auto d = d_.head(size_);
+    length_ = share(a);
+    if (length_ * length_ >= tolerances::orthogonalize_again * a.squaredNorm()) return length_;
     auto correction = correction_.head(size_);
-    d.noalias() = Q().transpose() * a;
-    remainder_ = a;
-    remainder_.noalias() -= Q() * d;
     correction.noalias() = Q().transpose() * remainder_;
     remainder_.noalias() -= Q() * correction;
-    d += correction;
-    length_ = remainder_.norm();
-    return length_;
+    d_.head(size_) += correction;
+    return length_ = remainder_.norm();
+  }
+  // That length alone, to rounding in `a`, by one pass over what lies between the zeros of `a` (a contact meets two
+  // bodies). The column is not to be appended.
+  template <class Column>
+  Scalar share(const Column& a) {
+    Index begin = 0, end = a.size();
+    while (begin < end && a[begin] == Scalar(0)) ++begin;
+    while (begin < end && a[end - 1] == Scalar(0)) --end;
+    auto d = d_.head(size_);
+    d.noalias() = Q().middleRows(begin, end - begin).transpose() * a.segment(begin, end - begin);
+    remainder_ = a;
+    remainder_.noalias() -= Q() * d;
+    return remainder_.norm();
   }
   auto components() const { return d_.head(size_); }
   const VectorX<Scalar>& remainder() const { return remainder_; }

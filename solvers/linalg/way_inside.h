@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 
 namespace zwang {
 
@@ -21,6 +22,23 @@ double way_inside(Each&& each) {
   });
   way *= 1 + 2 * std::numeric_limits<double>::epsilon();  // as a quotient may be rounded down
   return way == 0 || way < most ? way : none;
+}
+
+// Sweeps (Motzkin & Schoenberg 1954) until y opens each unit row that is listed by a half at least, where that takes
+// few. Of rows that repeat each other, a motion that opens those a method holds opens all, or not: by luck.
+template <class Rows, class Motion>
+void open_all(const Rows& rows, std::span<const Index> listed, Motion& y) {
+  constexpr int most = 100;
+  bool all = false;
+  for (int sweep = 0; sweep < most && !all; ++sweep) {
+    all = true;
+    for (const Index i : listed) {
+      const double opens = rows.dot(i, y);
+      if (2 * opens >= 1) continue;
+      rows.add(i, 1 - opens, y);
+      all = false;
+    }
+  }
 }
 
 // How far the answer is from a point that meets all rows, from what its forces are out of balance by (M^-1-norm), and

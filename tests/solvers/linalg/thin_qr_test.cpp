@@ -42,6 +42,22 @@ TEST(ThinQr, TellsHowDependentARejectedColumnIs) {
   EXPECT_EQ(qr.size(), 1);
 }
 
+TEST(ThinQr, TellsASharePastZerosAsASplitDoes) {
+  const Matrix A = pseudo_random(40, 20, 3);
+  ThinQr qr;
+  qr.reset(40, 20);
+  for (Index j = 0; j < 20; ++j) qr.append(A.col(j), 1e-12);
+  EXPECT_LE(qr.share(A.col(7)), 1e-14);
+  EXPECT_EQ(qr.share(Vector::Zero(40)), 0);
+  for (Index begin = 0; begin < 40; begin += 8) {
+    Vector a = Vector::Zero(40);
+    a.segment<8>(begin) = A.col(0).segment<8>(begin);
+    const double share = qr.share(a);
+    EXPECT_NEAR(share, qr.split(a), 1e-15);
+    EXPECT_LE((qr.Q().transpose() * qr.remainder()).norm(), 1e-15);
+  }
+}
+
 // A free column takes the sign it needs; a bounded one does not.
 TEST(LawsonHanson, HonoursFreeColumns) {
   const Matrix E = Matrix::Identity(3, 3);
