@@ -180,12 +180,13 @@ void ExtendedPolish<Real>::express_again(ActiveRows& active, std::span<const Ind
 // Whether certificate_ proves that there is no z: h'u / |G'u| is beyond any motion of this problem, by the referee's
 // bound. |G'u| beyond row_rounding of sum |u_i| is no rounding of the rows: a long motion may then meet them. A wedge
 // with an opening of 2^-46 and z_u = 0 has no length but that opening: its only motion, of length 1, is 2^46 times as
-// long, and the referee's bound alone would call it contradicting.
+// long, and the referee's bound alone would call it contradicting. Nor does |G'u| see what heavy unknowns ask for: rows
+// 2^-39 from a combination may meet along one of them, so each entry of J'u has to be rounding of the rows' own ones.
 template <class Real>
 bool ExtendedPolish<Real>::proves(Solution& s) {
   using std::abs;
   constexpr double row_rounding = tolerances::violation * std::numeric_limits<double>::epsilon();
-  Real work = 0, noise = 0, weight = 0;
+  Real work = 0, noise = 0, weight = 0, entries = 0;
   double reach = z_u_length_;
   force_.setZero();
   for (Index i = 0; i < w_->rows(); ++i) {
@@ -196,7 +197,12 @@ bool ExtendedPolish<Real>::proves(Solution& s) {
     weight += abs(u);
     reach = std::max(reach, std::abs(w_->h[i]));
     add_row(i, Real(certificate_[w_->row[at(i)]]), force_);
+    double largest = 0;
+    for (RowMatrix::InnerIterator it(p_->J, w_->row[at(i)]); it; ++it)
+      largest = std::max(largest, std::abs(it.value()));
+    entries += abs(Real(certificate_[w_->row[at(i)]])) * Real(largest);
   }
+  if (!(force_.cwiseAbs().maxCoeff() <= Real(row_rounding) * entries)) return false;
   r1_ = (force_ / noise).template cast<double>();
   w_->factor.solve_lower(r1_);
   const double parts = static_cast<double>(weight / noise);

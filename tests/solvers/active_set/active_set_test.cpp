@@ -77,6 +77,20 @@ TEST_P(ActiveSet, AWedgeWithNothingToCompareItWithIsFeasible) {
   }
 }
 
+// 2^-39 from a contradiction, and met 2^44 along a body of 2^16, beside which a mass of 2^-15 makes that difference
+// less than rounding of whitened rows. No answer is asked for that far away, but no proof that there is none.
+TEST_P(ActiveSet, RowsThatMeetFarAlongAHeavyBodyAreNoContradiction) {
+  const double e = 0x1p-39;
+  const Matrix J{{2, 1, 3}, {e - 5, 2 + e, -3}, {1, 0, 1}};
+  Problem p = unit_mass(J, Vec3(0, 3, 3), Vec3(4, 2, 2), 1);
+  p.M.diagonal() = Vec3(0x1p-15, 0x1p16, 0x1p-10);
+  const Vec3 slack = J * Vec3(0x1p44 + 9, 0x1p44, -0x1p44 - 6) - p.c;
+  ASSERT_EQ(slack[0], 0);
+  ASSERT_GE(slack.minCoeff(), 0);
+  const Solution s = solver.solve(p);
+  EXPECT_NE(s.status, Status::infeasible);
+}
+
 // A finger that is welded where a joint's limit is beyond reach: the welded and the jointed rows agree to rounding
 // only.
 TEST_P(ActiveSet, ProvesALimitAgainstAWeldThatRepeatsAJoint) {
