@@ -20,10 +20,10 @@ class Sharpening {
   void run(const UnitProgram& program, Vector& u);
 
  private:
-  std::vector<Index> support_, unknown_;  // rows with a part in u; unknowns whose equations are independent
-  Matrix equations_;                      // |support| x n: G over them, one column for each unknown
-  ThinQr qr_;                             // of those that are independent
-  Vector sharp_, kept_, motion_, correction_, part_;
+  std::vector<Index> support_;  // rows with a part in u
+  Matrix equations_;            // |support| x n: G over them, one column for each unknown
+  ThinQr qr_;                   // of those that are independent
+  Vector sharp_, kept_, motion_, part_;
 };
 
 }  // namespace zwang
