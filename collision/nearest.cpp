@@ -9,8 +9,6 @@
 namespace zwang::collision {
 namespace {
 
-constexpr int descents = 4;
-
 bool hides(const Plane& plane, const TreeNode& node) {
   return node.height(plane.normal) <= plane.offset + Plane::tolerance;
 }
@@ -19,7 +17,7 @@ bool hides(const Plane& plane, const TreeNode& node) {
 
 // Walks down the nearer children give a bound; then all that is nearer is looked at. Of triangles that are equally near
 // the first one counts. One large triangle among slivers makes their box near to everything, and what is in it may be
-// far: so the nearest half that was passed by is where the next walk down starts.
+// far: so of slivers the nearest half that was passed by is where the next walk down starts.
 std::optional<NearestPoint> nearest(const Tree& tree, const Vec3& p, double reach, std::span<const Plane> hidden) {
   const auto hidden_by_any = [&](const auto& test) { return std::any_of(hidden.begin(), hidden.end(), test); };
   const std::span<const TreeNode> nodes = tree.nodes();
@@ -43,8 +41,10 @@ std::optional<NearestPoint> nearest(const Tree& tree, const Vec3& p, double reac
     return slab ? std::max(square, slab->distance2(p)) : square;
   };
   std::pair<double, std::size_t> other{0, 0};
+  std::size_t top = 0;
+  const int descents = tree.of_slivers() ? 4 : 1;
   for (int k = 0; k < descents && other.first < least; ++k) {
-    std::size_t top = std::exchange(other, {least, 0}).second;
+    top = std::exchange(other, {least, 0}).second;
     while (!tree.leaf(top)) {
       const std::size_t left = top + 1, right = nodes[left].skip;
       const auto [near, far] = std::minmax({std::pair(bound(left), left), std::pair(bound(right), right)});
@@ -55,7 +55,7 @@ std::optional<NearestPoint> nearest(const Tree& tree, const Vec3& p, double reac
   }
   tree.walk(
       [&](const TreeNode& node, std::size_t number) {
-        if (!nearer(node.distance2(p), node.first)) return false;
+        if (number == top || !nearer(node.distance2(p), node.first)) return false;
         if (const Slab* slab = tree.slab(number); slab && !nearer(slab->distance2(p), node.first)) return false;
         return !hidden_by_any([&](const Plane& plane) { return hides(plane, node); });
       },
