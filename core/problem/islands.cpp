@@ -104,27 +104,28 @@ bool Islands::several_blocks(const Problem& p, Unit unit) {
     count -= blocks_.join(a, b);
   };
   const auto block_of = [&](int k) -> Index { return k / unit; };
+  const auto inner = [](const auto& A, Index outer) {
+    const int *const begin = A.innerIndexPtr() + A.outerIndexPtr()[outer], *const counts = A.innerNonZeroPtr();
+    return std::span(begin, counts ? begin + counts[outer] : A.innerIndexPtr() + A.outerIndexPtr()[outer + 1]);
+  };
   // Inner indices ascend: where the first and the last are of one block, so are all.
   const auto visit = [&](const auto& A, Index outer, Index block) {
-    const int* at = A.innerIndexPtr() + A.outerIndexPtr()[outer];
-    const int* const last =
-        at + (A.isCompressed() ? A.outerIndexPtr()[outer + 1] - A.outerIndexPtr()[outer] : A.innerNonZeroPtr()[outer]);
-    if (at == last) return;
-    if (block < 0) block = block_of(*at);
-    if (*at >= block * unit && last[-1] < (block + 1) * unit) return;
-    for (Index begin = block * unit; at != last; ++at) {
-      if (*at >= begin && *at < begin + unit) continue;
-      const Index own = block_of(*at);
+    const auto indices = inner(A, outer);
+    if (indices.empty()) return;
+    if (block < 0) block = block_of(indices.front());
+    if (indices.front() >= block * unit && indices.back() < (block + 1) * unit) return;
+    Index begin = block * unit;
+    for (const int k : indices) {
+      if (k >= begin && k < begin + unit) continue;
+      const Index own = block_of(k);
       couple_blocks(block, own);
       block = own;
       begin = own * unit;
     }
   };
-  for (Index i = 0; i < p.rows() && count > 1; ++i) {
-    const int begin = p.J.outerIndexPtr()[i],
-              end = p.J.isCompressed() ? p.J.outerIndexPtr()[i + 1] : begin + p.J.innerNonZeroPtr()[i];
-    if (begin < end) couple_blocks(block_of(p.J.innerIndexPtr()[begin]), block_of(p.J.innerIndexPtr()[end - 1]));
-  }
+  for (Index i = 0; i < p.rows() && count > 1; ++i)
+    if (const auto indices = inner(p.J, i); !indices.empty())
+      couple_blocks(block_of(indices.front()), block_of(indices.back()));
   for (Index i = 0; i < p.rows() && count > 1; ++i) visit(p.J, i, -1);
   if (p.has_tangents()) {
     // A contact's rows belong together even where they touch no body in common.

@@ -126,7 +126,8 @@ bool BodyRows::factorize(const Problem& p) {
   return true;
 }
 
-// J by bodies, each in the entries that assembly stores or in fewer. False where a row meets more than two.
+// J by bodies, of which assembly stores all six entries and others may store fewer. False where a row meets more than
+// two bodies.
 bool BodyRows::load_rows(const Problem& p) {
   const Index m = p.rows();
   row.resize(at(m));

@@ -83,6 +83,12 @@ inline void scatter(const Column<double>& row, const Targets<double>& targets) {
 }
 
 template <class Scalar>
+[[gnu::always_inline]] inline Column<Scalar> zero() {
+  Column<Scalar> x;
+  unroll<6>([&](auto i) { set(x[i], 0); });
+  return x;
+}
+template <class Scalar>
 [[gnu::always_inline]] inline Column<Scalar> unit(std::size_t k) {
   Column<Scalar> x;
   unroll<6>([&](auto i) { set(x[i], i == k); });

@@ -181,7 +181,7 @@ template <class Scalar>
     P[c] = x;
   }
   for (std::size_t j = 0; r > 0 && j < 6; ++j) {
-    Column<Scalar> x = unit<Scalar>(6);
+    Column<Scalar> x = zero<Scalar>();
     for (std::size_t k = 0; k < r; ++k) subtract(D[k][j], C_inverse[k], x);
     Column<Scalar> b = x;
     multiply(b);
