@@ -1,5 +1,7 @@
 #pragma once
 
+#include <zwang/core/problem/types.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
