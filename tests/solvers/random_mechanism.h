@@ -43,12 +43,18 @@ inline Problem random_mechanism(Graph graph, unsigned seed, double spread = 2) {
   };
   if (graph == Graph::grounded_tree || fans) add_joint(0, -1, 1 + uniform(6));
   for (int b = 1; b < bodies && fans; ++b) add_joint(b < 3 || seed % 2 ? 0 : 1 + b % 2, b, 3);
-  for (int b = 1; b < bodies && !fans; ++b) add_joint(uniform(b), b, graph == Graph::welds ? 6 : 1 + uniform(5));
+  for (int b = 1; b < bodies && !fans; ++b) {
+    const int rows = graph == Graph::welds ? 6 : 1 + uniform(5);  // drawn by name: C++ orders no arguments
+    add_joint(uniform(b), b, rows);
+  }
   if (graph == Graph::loops)
     for (int k = 0; k < 2; ++k)
       if (const int a = uniform(bodies), b = uniform(bodies); a != b) add_joint(a, b, 1 + uniform(2));
   const int contacts = uniform(4 * bodies);
-  for (int k = 0; k < contacts; ++k) add_row(uniform(bodies), uniform(3) ? -1 : uniform(bodies), RowKind::inequality);
+  for (int k = 0; k < contacts; ++k) {
+    const int other = uniform(3) ? -1 : uniform(bodies);
+    add_row(uniform(bodies), other, RowKind::inequality);
+  }
   const int given = static_cast<int>(kind.size());
   const int copied = graph == Graph::redundant_joints ? 1 + uniform(3) : 0;
   std::vector<Eigen::Triplet<double>> copies;

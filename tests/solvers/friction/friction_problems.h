@@ -120,7 +120,8 @@ inline Planted planted(Law law, double mu, int bodies, int contacts, unsigned se
         b * b + d * d - a * a - c * c, 2 * (b * c - a * d), 2 * (a * c - b * d), 2 * (b * c + a * d),
         c * c + d * d - a * a - b * b;
     const int first = pick(0, bodies - 1), second = bodies > 1 && pick(0, 1) ? (first + 1) % bodies : -1;
-    const Vec3 arm(pick(-8, 8) / 8.0, pick(-8, 8) / 8.0, pick(-8, 8) / 8.0);
+    Vec3 arm;  // drawn by entry: C++ orders no arguments
+    for (const int i : {2, 1, 0}) arm[i] = pick(-8, 8) / 8.0;
     for (int q = 0; q < 3; ++q) {
       Vector J = Vector::Zero(n);
       const Vec3 axis = R.col(q), turn = arm.cross(axis);
@@ -136,7 +137,8 @@ inline Planted planted(Law law, double mu, int bodies, int contacts, unsigned se
     const double f = std::ldexp(5.0, pick(-2, 2)), g = std::ldexp(1.0, pick(-2, 2));
     Vec3 s = Vec3::Zero(), l = Vec3::Zero();
     if (mode == 0) {
-      s = Vec3(g, pick(-4, 4) / 4.0, pick(-4, 4) / 4.0);
+      s[0] = g;
+      for (const int i : {2, 1}) s[i] = pick(-4, 4) / 4.0;
       if (law == Law::convex) s[0] += mu * (std::abs(s[1]) + std::abs(s[2]));
     } else if (mode == 1) {
       s = g * Vec3(law == Law::convex ? 5 * mu : 0, 3, 4);
