@@ -14,7 +14,8 @@ namespace {
 
 using lanes::Pack;
 
-// Products of three such numbers neither overflow nor vanish.
+// Products of three such numbers neither overflow nor vanish. Of z_u and h the largest has to be one, no entry: what
+// vanishes of smaller ones is nothing beside it, and speeds and gaps that fade reach 1e-318.
 constexpr double smallest = 0x1p-300, largest = 0x1p300;
 bool ordinary(double x) { return x > smallest && x < largest; }
 bool ordinary_or_zero(double x) { return x == 0 || ordinary(std::abs(x)); }
@@ -111,7 +112,7 @@ bool BodyRows::factorize(const Problem& p) {
   z_u.setZero(lanes, bodies());
   z_u.topRows<6>() = p.z_u.reshaped(6, bodies());
   for (Index i = 0; i < p.size(); ++i)
-    if (!ordinary_or_zero(p.z_u[i])) return false;
+    if (!(std::abs(p.z_u[i]) < largest)) return false;
   for (Index base = 0; base < bodies(); base += lanes) {
     bool apart = true;
     for (Index b = base; b < std::min(base + lanes, bodies()); ++b) {
@@ -212,9 +213,8 @@ bool BodyRows::make_unit_rows() {
   size = c.head(rows()).array().abs();
   Index odd = 0;
   for (Index k = 0; k < rows(); ++k) {
-    const double x = row_norm[k], y = magnitude[k];
-    const bool fits = (x > smallest) & (x < largest), none = y == 0;
-    odd += !(fits & (none | ((y > smallest) & (y < largest))));
+    const double x = row_norm[k];
+    odd += !((x > smallest) & (x < largest) & (magnitude[k] < largest));
   }
   if (odd > 0) return false;
   reciprocal = 1 / norm;
@@ -241,7 +241,7 @@ bool BodyRows::build(const Problem& p) {
   for (Index i = 0; i < rows(); ++i) reciprocal_[i] = equality[at(i)] ? std::abs(h[i]) : h[i];
   if (rows() > 0) worst = std::max(worst, reciprocal_.head(rows()).maxCoeff());
   free_norm = free.norm();
-  if (!ordinary_or_zero(worst) || !ordinary_or_zero(free_norm)) return false;
+  if (!ordinary_or_zero(worst) || !(free_norm == 0 ? p.z_u.isZero(0) : ordinary(free_norm))) return false;
   exponent = 0;
   (void)std::frexp(worst > 0 ? worst : free_norm, &exponent);
   const double unit = std::ldexp(1.0, -exponent);

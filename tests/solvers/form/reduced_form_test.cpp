@@ -106,6 +106,24 @@ TEST(NullSpaceForm, AllocatesNothingInASecondSolveOfTheSameShape) {
   }
 }
 
+// A hand that comes to rest: entries fade to 1e-318, which is nothing beside the others. Where all have faded they are
+// the problem.
+TEST(NullSpaceForm, TakesEntriesThatHaveFaded) {
+  const Problem p = make_scenes("hand(contacts=4)").at(0).problem;
+  Problem faded = p, none = p, all = p;
+  for (Index i = 0; i < p.size(); i += 5) faded.z_u[i] = 1e-318, none.z_u[i] = 0;
+  for (Index i = 0; i < p.rows(); i += 3) faded.c[i] = 1e-110, none.c[i] = 0;
+  JointSpaceActiveSet solver;
+  Solution a, b;
+  a.reset(p.size(), p.rows());
+  ASSERT_TRUE(solver.solve(faded, {}, a)) << solver.reason();
+  make_solver("dual_active_set").solve(none, {}, b);
+  EXPECT_LE(distance(none, a.z, b.z), 1e-15);
+  all.z_u *= 1e-310;
+  all.c *= 1e-310;
+  EXPECT_FALSE(solver.solve(all, {}, a));
+}
+
 // Without contacts nothing dense is left: 4096 links, which would take 4 GB, take the storage of one more body each.
 TEST(NullSpaceForm, AChainOfAnyLengthTakesNoDenseStorage) {
   const Instance chain = make_scenes("CHAIN(links=4096)").at(0);
