@@ -202,7 +202,8 @@ bool ExtendedPolish<Real>::proves(Solution& s) {
       largest = std::max(largest, std::abs(it.value()));
     entries += abs(Real(certificate_[w_->row[at(i)]])) * Real(largest);
   }
-  if (!(force_.cwiseAbs().maxCoeff() <= Real(row_rounding) * entries)) return false;
+  constexpr double entry_rounding = tolerances::entry_rounding * std::numeric_limits<double>::epsilon();
+  if (!(force_.cwiseAbs().maxCoeff() <= Real(entry_rounding) * entries)) return false;
   r1_ = (force_ / noise).template cast<double>();
   w_->factor.solve_lower(r1_);
   const double parts = static_cast<double>(weight / noise);

@@ -211,6 +211,9 @@ inline constexpr int few_unknowns = 150;
 // The referee takes a contradiction for proven where every motion that met the rows would be 1e8 times as long as the
 // longest there is (core/referee/certificate.cpp). The solvers ask for as much again, for the rounding between.
 inline constexpr double referee_reach = 1e8, out_of_reach = 2 * referee_reach;
+// In units of rounding, of sum |u_i| max_j |J_ij|: what a proof may leave in an entry of J'u. Rows that are known to a
+// rounding each leave half of one; with 8, rows 2^-47 from a combination were called contradicting.
+inline constexpr int entry_rounding = 2;
 // Of the sum of its terms: h'u of a proof that rounding could have made.
 inline constexpr double proof_rounding = 1e-14;
 

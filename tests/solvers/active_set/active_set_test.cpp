@@ -91,6 +91,17 @@ TEST_P(ActiveSet, RowsThatMeetFarAlongAHeavyBodyAreNoContradiction) {
   EXPECT_NE(s.status, Status::infeasible);
 }
 
+// 2^-46 from a contradiction beside entries of 6: more than a rounding of each row leaves.
+TEST_P(ActiveSet, RowsThatMeetAtTwoToTheFortySevenAreNoContradiction) {
+  const Matrix J{{-3, 0}, {6, -0x1p-46}};
+  Problem p = unit_mass(J, Vector{{-2, 6}}, Vector{{-4, 3}}, 1);
+  p.M.diagonal() = Vector{{0x1p18, 0x1p17}};
+  const Solution s = solver.solve(p);
+  EXPECT_NE(s.status, Status::infeasible);
+  p.J.coeffRef(1, 1) = -0x1p-52;  // a rounding: nobody can tell this from 0
+  EXPECT_EQ(solver.solve(p).status, Status::infeasible);
+}
+
 // A finger that is welded where a joint's limit is beyond reach: the welded and the jointed rows agree to rounding
 // only.
 TEST_P(ActiveSet, ProvesALimitAgainstAWeldThatRepeatsAJoint) {
