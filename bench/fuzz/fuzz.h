@@ -54,8 +54,8 @@ struct Fault {
   Instance instance = {};  // with its exact answer, where there is one
 };
 
-// The problem with that number of a run, and its truth: in integers, of near-dependent rows in 100 digits, of promises
-// under friction as planted. None where contacts under Coulomb's law may have several answers.
+// The problem with that number of a run, and its truth: in 100 digits, of promises under friction as
+// planted. None where contacts under Coulomb's law may have several answers.
 Instance fuzzed(const FuzzOptions& options, std::uint64_t number);
 
 std::vector<std::string> fuzzed_solvers(const FuzzOptions& options, std::span<const SolverEntry> among);

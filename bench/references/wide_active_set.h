@@ -76,7 +76,7 @@ class WideActiveSet {
   Scalar violation(Index p) const { return w_.h[p] - w_.dot(p, y_); }
   bool is_satisfied(Index p, const Scalar& violation) const {
     using std::abs;
-    Scalar size = w_.magnitude[p];
+    Scalar size = w_.magnitude[p] + y_.norm();
     for (Index j = 0; j < r_.size(); ++j) size += abs(r_[j]) * w_.magnitude[active_[j]];
     return violation <= rounding(tolerances::violation) * size;
   }
