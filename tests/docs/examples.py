@@ -54,7 +54,7 @@ shorter = [
     (r"./zwang conformance --engines all", None),
     (r"./zwang (guard|league) [A-Z].*", r"./zwang \1 --help"), (r"./zwang judge", "./zwang judge --help"), (r"./zwang judge PACK .*", "./zwang judge --help"),
     (r"./zwang conformance", "./zwang conformance || test $? = 1"),  # 1: some are off
-    (r"./zwang export --atlas DIR", "./zwang export --help"),
+    (r"./zwang pack atlas --out DIR", "./zwang pack --help"),
     (r"(./zwang fuzz --friction(?: --accuracy \S+)?).*", r"\1 --count 100 --solvers cone"), (r"./zwang live SCENE.*", None),
     (r"(./zwang fuzz --referee).*", r"\1 --count 50"),
     (r"(./zwang fuzz --near.*)", r"\1 --count 5 || test $? = 1"),  # 1: it found something
