@@ -11,6 +11,7 @@
 
 #include <zwang/bench/results/records.h>
 #include <zwang/core/referee/measure.h>
+#include <zwang/core/referee/worst_rows.h>
 
 namespace zwang {
 

@@ -1,5 +1,8 @@
 #include <zwang/core/problem/instance.h>
 
+#include <utility>
+
+#include <zwang/core/problem/law.h>
 #include <zwang/core/problem/wording.h>
 
 namespace zwang {
@@ -28,6 +31,27 @@ RowOrigin parse_row_origin(std::string_view text, std::string unit) {
   origin.type = text.substr(0, slash);
   if (slash != std::string_view::npos) origin.label = text.substr(slash + 1);
   return origin;
+}
+
+Instance under(Law law, Instance instance) {
+  if (!instance.problem.has_tangents()) return instance;
+  const std::vector<RowUnder> rows = rows_under(law, instance.problem);
+  std::vector<RowOrigin> origin;
+  if (!instance.origin.empty())
+    for (const RowUnder& row : rows) {
+      origin.push_back(instance.origin[at(row.normal)]);
+      if (row.edge < 0) continue;
+      origin.back().type = "friction_pyramid";
+      origin.back().row = row.edge;
+    }
+  if (instance.problem.law != law || static_cast<Index>(rows.size()) != instance.problem.rows()) {
+    instance.reference.reset();
+    instance.recorded.clear();
+  }
+  if (static_cast<Index>(rows.size()) != instance.problem.rows()) instance.step.reset();
+  instance.problem = under(law, instance.problem);
+  instance.origin = std::move(origin);
+  return instance;
 }
 
 std::string row_name(const Instance& instance, Index i) {

@@ -8,22 +8,11 @@
 #include <vector>
 
 #include <zwang/core/problem/problem.h>
+#include <zwang/core/problem/reference.h>
 
 namespace zwang {
 
 struct SceneStep;  // core/model/scene_change.h
-
-// What is known to be true of a problem; `method` says how it was found.
-struct Reference {
-  bool feasible = true;
-  Vector z = {};            // n, when feasible
-  Vector lambda = {};       // m, one valid choice; may be empty when only z is known
-  Vector certificate = {};  // m, when infeasible: u with u_I >= 0, J'u = 0, c'u > 0; may be empty
-  double bound = 0;         // upper bound on |z - z*|_M / max(|z_u|_M, |z*|_M); 0 when z is z*
-  bool unique = true;       // false: one of several solutions, or not known to be the only one (Coulomb's law)
-  bool hearsay = false;     // read from a file: nobody here has proven it
-  std::string method = {};  // "mpfr 100 digits", "CGAL exact", "closed form", "known answer", "file", ...
-};
 
 // Who wrote a row, and its unit. In files and in results it reads "type/label", or "type/label [row]" where the
 // constraint has several rows.
@@ -58,6 +47,10 @@ struct Instance {
   std::vector<RecordedAnswer> recorded = {};
   std::shared_ptr<const SceneStep> step = {};  // what the problem was assembled of, where a scene says so
 };
+
+// The problem under another law (law.h), with the names of its rows. A reference, and what was recorded, answer one
+// law: they stay only where it is the same.
+Instance under(Law law, Instance instance);
 
 // The name of row i: its origin, or "row 17" where nobody named it; "" for -1.
 std::string row_name(const Instance& instance, Index i);

@@ -2,24 +2,22 @@
 
 #include <stdexcept>
 #include <string>
-#include <utility>
-#include <vector>
 
-#include <zwang/core/problem/instance.h>
 #include <zwang/core/problem/row_writer.h>
 
 namespace zwang {
-namespace {
 
-// A row of the new problem: row `normal` of the old one, plus factor x row `tangent` where there is one.
-struct NewRow {
-  Index normal, tangent = -1;
-  double factor = 0;
-  int edge = -1;  // of a pyramid
-};
+Law parse_law(std::string_view word) {
+  std::string words;
+  for (const Law law : all_laws) {
+    if (to_string(law) == word) return law;
+    words.append(words.empty() ? "" : law == all_laws.back() ? " or " : ", ").append(to_string(law));
+  }
+  throw std::invalid_argument("no law '" + std::string(word) + "'; expected " + words);
+}
 
-std::vector<NewRow> new_rows(Law law, const Problem& p) {
-  std::vector<NewRow> rows;
+std::vector<RowUnder> rows_under(Law law, const Problem& p) {
+  std::vector<RowUnder> rows;
   for (Index i = 0; i < p.rows(); ++i) {
     const Index tangents = p.is_equality(i) ? 0 : p.tangents(i);
     const bool slips = tangents > 0 && p.mu[i] > 0;
@@ -35,10 +33,11 @@ std::vector<NewRow> new_rows(Law law, const Problem& p) {
   return rows;
 }
 
-Problem take(const std::vector<NewRow>& rows, Law law, const Problem& p) {
+Problem under(Law law, const Problem& p) {
+  if (!p.has_tangents()) return p;
   Problem out{.name = p.name, .M = p.M, .z_u = p.z_u};
   RowWriter written;
-  for (const NewRow& row : rows) {
+  for (const RowUnder& row : rows_under(law, p)) {
     const auto old = at(row.normal);
     RowKey key = p.key[old];
     if (row.edge >= 0) key.row += static_cast<std::uint32_t>(row.edge);
@@ -52,42 +51,6 @@ Problem take(const std::vector<NewRow>& rows, Law law, const Problem& p) {
   written.write(out);
   out.law = out.has_tangents() || has_edges(law) ? law : no_friction;
   return out;
-}
-
-}  // namespace
-
-Law parse_law(std::string_view word) {
-  std::string words;
-  for (const Law law : all_laws) {
-    if (to_string(law) == word) return law;
-    words.append(words.empty() ? "" : law == all_laws.back() ? " or " : ", ").append(to_string(law));
-  }
-  throw std::invalid_argument("no law '" + std::string(word) + "'; expected " + words);
-}
-
-Problem under(Law law, const Problem& problem) {
-  return problem.has_tangents() ? take(new_rows(law, problem), law, problem) : problem;
-}
-
-Instance under(Law law, Instance instance) {
-  if (!instance.problem.has_tangents()) return instance;
-  const std::vector<NewRow> rows = new_rows(law, instance.problem);
-  std::vector<RowOrigin> origin;
-  if (!instance.origin.empty())
-    for (const NewRow& row : rows) {
-      origin.push_back(instance.origin[at(row.normal)]);
-      if (row.edge < 0) continue;
-      origin.back().type = "friction_pyramid";
-      origin.back().row = row.edge;
-    }
-  if (instance.problem.law != law || static_cast<Index>(rows.size()) != instance.problem.rows()) {
-    instance.reference.reset();
-    instance.recorded.clear();
-  }
-  if (static_cast<Index>(rows.size()) != instance.problem.rows()) instance.step.reset();
-  instance.problem = take(rows, law, instance.problem);
-  instance.origin = std::move(origin);
-  return instance;
 }
 
 }  // namespace zwang

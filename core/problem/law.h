@@ -3,12 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <string_view>
+#include <vector>
 
 #include <zwang/core/problem/problem.h>
 
 namespace zwang {
-
-struct Instance;
 
 // Tangent rows of a contact with mu > 0 become the inequality rows N +- mu T in place of N (edges), or stay, with
 // forces in the cone K.
@@ -69,7 +68,12 @@ Law parse_law(std::string_view word);
 // What stands in the files and in a scene is under coulomb; from pyramid or frictionless there is no way back.
 Problem under(Law law, const Problem& problem);
 
-// With the names of its rows. A reference, and what was recorded, answer one law: they stay only where it is the same.
-Instance under(Law law, Instance instance);
+// A row of the problem under another law: row `normal` of this one, plus factor x row `tangent` where there is one.
+struct RowUnder {
+  Index normal, tangent = -1;
+  double factor = 0;
+  int edge = -1;  // of a pyramid
+};
+std::vector<RowUnder> rows_under(Law law, const Problem& problem);
 
 }  // namespace zwang

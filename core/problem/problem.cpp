@@ -7,7 +7,6 @@
 #include <stdexcept>
 
 #include <zwang/core/problem/law.h>
-#include <zwang/core/problem/wording.h>
 
 namespace zwang {
 
@@ -113,7 +112,8 @@ std::string bad_friction(const Problem& p) {
     if (p.is_tangent(i)) return row(i) + " is a tangent row without an inequality row before it";
     if (p.is_equality(i)) continue;
     const Index tangents = p.tangents(i);
-    if (!(p.mu[i] >= 0) || std::isinf(p.mu[i])) return printed("mu(%td) is %g; expected a number >= 0", i, p.mu[i]);
+    if (!(p.mu[i] >= 0) || std::isinf(p.mu[i]))
+      return (std::ostringstream() << "mu(" << i << ") is " << p.mu[i] << "; expected a number >= 0").str();
     if (tangents > 2) return row(i) + " has " + std::to_string(tangents) + " tangent rows; expected 1 or 2";
     if (tangents == 0 && p.mu[i] > 0) return row(i) + " has mu > 0 and no tangent rows";
     i += tangents;

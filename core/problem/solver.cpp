@@ -1,21 +1,13 @@
 #include <zwang/core/problem/solver.h>
 
-#include <array>
 #include <charconv>
+#include <cmath>
 #include <new>
 #include <stdexcept>
 
 #include <zwang/core/problem/law.h>
 
 namespace zwang {
-
-std::string_view to_string(Status status) {
-  static constexpr std::array<std::string_view, 10> words{
-      "unsolved",    "solved",    "solved, ill-conditioned", "infeasible", "iteration limit", "time limit",
-      "unsupported", "bad input", "numerical failure",       "crashed"};
-  const auto k = static_cast<std::size_t>(status);
-  return k < words.size() ? words[k] : "unknown";
-}
 
 void SolveOptions::read_accuracy(std::string_view text) {
   accuracy = speed_accuracy = 0;

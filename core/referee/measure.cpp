@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <map>
 
 #include <zwang/core/referee/bounds.h>
 #include <zwang/core/referee/certificate.h>
@@ -162,31 +161,6 @@ Metrics measure(const Problem& problem, const Solution& solution, const Referenc
   const Verdict verdict = judge(problem, scaled, solution, reference, tolerance, out);
   const bool close = verdict == Verdict::solved || verdict == Verdict::near || verdict == Verdict::consistent;
   return with(stopped && !close ? Verdict::timeout : verdict);
-}
-
-std::vector<TypeResidual> worst_by_type(const Instance& instance, const Vector& z) {
-  const Problem& p = instance.problem;
-  const ScaledProblem scaled(p);
-  const ExtendedVector d = scaled.motion(z);
-  const double s = scaled.scale_of(scaled.norm_of(z));
-  std::map<std::string, TypeResidual> worst;
-  for (Index i = 0; i < p.rows(); ++i) {
-    if (p.is_tangent(i)) continue;  // a slip violates nothing
-    const auto k = at(i);
-    const std::string type = k < instance.origin.size() ? instance.origin[k].type : "row";
-    double violation = 0, relative = 0;
-    if (!scaled.is_vacuous(i)) {
-      const double slack = scaled.slack(i, d).hi;
-      violation = scaled.is_equality(i) ? std::abs(slack) : std::max(-slack, 0.0);
-      if (violation > 0) relative = violation / scaled.row_norm[i] / s;
-      violation *= scaled.row_scale(i);
-    }
-    const auto [it, first] = worst.try_emplace(type, TypeResidual{type, violation, relative, i});
-    if (!first && relative > it->second.relative) it->second = {type, violation, relative, i};
-  }
-  std::vector<TypeResidual> out;
-  for (auto& [type, residual] : worst) out.push_back(residual);
-  return out;
 }
 
 }  // namespace zwang

@@ -5,8 +5,9 @@
 #include <string_view>
 #include <vector>
 
-#include <zwang/core/problem/instance.h>
-#include <zwang/core/problem/solver.h>
+#include <zwang/core/problem/problem.h>
+#include <zwang/core/problem/reference.h>
+#include <zwang/core/problem/solution.h>
 #include <zwang/core/referee/friction/friction_metrics.h>
 
 namespace zwang {
@@ -75,14 +76,5 @@ struct Metrics {
 // The referee. Works in extended precision where a claim rests on cancellation. Never throws on a bad solution: sizes
 // that do not fit or a z with NaN are Verdict::wrong. `reference` may be null: the verdict then rests on z_bound.
 Metrics measure(const Problem& problem, const Solution& solution, const Reference* reference, double tolerance);
-
-// Worst violation per constraint type, in the rows' own units of acceleration (J z - c), with the row that has it.
-struct TypeResidual {
-  std::string type;  // "contact", "ball_joint", ...
-  double violation;  // in the row's own unit
-  double relative;   // on the unit row, divided by s
-  Index row;
-};
-std::vector<TypeResidual> worst_by_type(const Instance& instance, const Vector& z);
 
 }  // namespace zwang

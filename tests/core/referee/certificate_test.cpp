@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include <zwang/core/referee/measure.h>
+#include <zwang/core/referee/worst_rows.h>
 
 namespace zwang {
 namespace {
