@@ -12,14 +12,10 @@ unsigned of_this_cpu() {
   unsigned there = 0;
 #if defined(__x86_64__)
   __builtin_cpu_init();
-  if (__builtin_cpu_supports("sse4.2")) there |= sse4_2;
-  if (__builtin_cpu_supports("avx")) there |= avx;
-  if (__builtin_cpu_supports("avx2")) there |= avx2;
-  if (__builtin_cpu_supports("fma")) there |= fma;
-  if (__builtin_cpu_supports("bmi2")) there |= bmi2;
-  if (__builtin_cpu_supports("avx512f")) there |= avx512f;
-  if (__builtin_cpu_supports("avx512dq")) there |= avx512dq;
-  if (__builtin_cpu_supports("avx512vl")) there |= avx512vl;
+#define INSTRUCTION_SET(bit, name, text, of_cpu, defined) \
+  if (__builtin_cpu_supports(of_cpu)) there |= bit;
+#include <zwang/bench/timing/instruction_sets.def>
+#undef INSTRUCTION_SET
 #else
   there = built_for;
 #endif
@@ -41,8 +37,10 @@ __attribute__((constructor(101))) void look() {
 
 std::string lacking(unsigned wanted, unsigned there) {
   constexpr std::pair<unsigned, const char*> names[] = {
-      {sse4_2, "SSE4.2"}, {avx, "AVX"},          {avx2, "AVX2"},          {fma, "FMA"},
-      {bmi2, "BMI2"},     {avx512f, "AVX-512F"}, {avx512dq, "AVX-512DQ"}, {avx512vl, "AVX-512VL"}};
+#define INSTRUCTION_SET(bit, name, text, ...) {bit, text},
+#include <zwang/bench/timing/instruction_sets.def>
+#undef INSTRUCTION_SET
+  };
   std::string text;
   for (const auto& [bit, name] : names)
     if (wanted & ~there & bit) text += (text.empty() ? "" : ", ") + std::string(name);

@@ -4,16 +4,11 @@
 
 namespace zwang {
 
-// Instruction sets beyond the first x86-64 that a compiler may use.
+// Of instruction_sets.def.
 enum InstructionSet : unsigned {
-  sse4_2 = 1,
-  avx = 2,
-  avx2 = 4,
-  fma = 8,
-  bmi2 = 16,
-  avx512f = 32,
-  avx512dq = 64,
-  avx512vl = 128
+#define INSTRUCTION_SET(bit, name, ...) name = bit,
+#include <zwang/bench/timing/instruction_sets.def>
+#undef INSTRUCTION_SET
 };
 
 // What this program was compiled for.
