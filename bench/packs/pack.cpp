@@ -18,6 +18,9 @@
 ZWANG_EMBEDDED(packs_json, ZWANG_PACKS)
 
 namespace zwang {
+
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(PackedProblem, file, sha256, name, family, law, n, m, equalities, known, method)
+
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -50,18 +53,8 @@ Json to_json(const PackedProblem& p) {
           {"known", p.known}, {"method", p.method}};
 }
 
-PackedProblem from_json(const Json& j) {
-  PackedProblem p;
-  for (auto [key, text] : {std::pair("file", &p.file),
-                           {"sha256", &p.sha256},
-                           {"name", &p.name},
-                           {"family", &p.family},
-                           {"law", &p.law},
-                           {"known", &p.known},
-                           {"method", &p.method}})
-    *text = j.at(key).get<std::string>();
-  for (auto [key, count] : {std::pair("n", &p.n), {"m", &p.m}, {"equalities", &p.equalities}})
-    *count = j.at(key).get<Index>();
+PackedProblem packed(const nlohmann::json& j) {
+  PackedProblem p = j;
   const std::filesystem::path file = p.file;
   if (file.is_absolute() || std::ranges::find(file, "..") != file.end())
     throw std::runtime_error("'" + p.file + "' should be a file within the pack");
@@ -75,13 +68,13 @@ Pack::Pack(std::filesystem::path directory) : directory_(std::move(directory)) {
   const auto bad = [&](const std::string& why) { return BadFile(index.string() + ": " + one_line(why)); };
   const std::string text = read_stored(index).bytes;
   try {
-    const Json all = Json::parse(text);
+    const auto all = nlohmann::json::parse(text);
     if (const int version = all.at("zwang_pack").get<int>(); version != pack_format)
       throw std::runtime_error("zwang_pack is " + std::to_string(version) + ", expected " +
                                std::to_string(pack_format));
     std::set<std::string> seen;
-    for (const Json& problem : all.at("problems")) {
-      problems_.push_back(from_json(problem));
+    for (const nlohmann::json& problem : all.at("problems")) {
+      problems_.push_back(packed(problem));
       if (!seen.insert(problems_.back().sha256).second)
         throw std::runtime_error("the problem " + problems_.back().sha256 + " stands there twice");
     }
