@@ -66,7 +66,7 @@ void print(const Result& r, bool chosen) {
                         scientific(k.stationarity) + "   complementarity " + scientific(k.complementarity) + "   gap " +
                         scientific(k.gap) + "   (M-norm, unit rows, relative)");
   if (!r.worst_row.empty()) line("worst row", r.worst_row + ", violated by " + scientific(k.primal));
-  for (const Result::WorstRow& worst : r.worst_by_type)
+  for (const WorstRow& worst : r.worst_by_type)
     line("", worst.type + ": " + scientific(worst.violation) + (worst.unit.empty() ? "" : " " + worst.unit) + ", " +
                  scientific(worst.relative) + " relative, at " + worst.name);
   if (!r.conflicting.empty())

@@ -5,12 +5,14 @@
 #include <algorithm>
 #include <cerrno>
 #include <fstream>
+#include <map>
 #include <system_error>
 
 #include <zwang/bench/results/seal.h>
 #include <zwang/core/files/problem_file.h>
 #include <zwang/core/problem/law.h>
 #include <zwang/core/process/child_process.h>
+#include <zwang/core/referee/scaled_problem.h>
 
 namespace zwang {
 
@@ -50,6 +52,32 @@ std::string kept(const Problem& problem, const Metrics& m, const Reference* refe
 
 }  // namespace
 
+std::vector<WorstRow> worst_by_type(const Instance& instance, const Vector& z) {
+  const Problem& p = instance.problem;
+  const ScaledProblem scaled(p);
+  const ExtendedVector d = scaled.motion(z);
+  const double s = scaled.scale_of(scaled.norm_of(z));
+  std::map<std::string, WorstRow> worst;
+  for (Index i = 0; i < p.rows(); ++i) {
+    if (p.is_tangent(i)) continue;  // a slip violates nothing
+    const RowOrigin* origin = at(i) < instance.origin.size() ? &instance.origin[at(i)] : nullptr;
+    double violation = 0, relative = 0;
+    if (!scaled.is_vacuous(i)) {
+      const double slack = scaled.slack(i, d).hi;
+      violation = scaled.is_equality(i) ? std::abs(slack) : std::max(-slack, 0.0);
+      if (violation > 0) relative = violation / scaled.row_norm[i] / s;
+      violation *= scaled.row_scale(i);
+    }
+    const std::string type = origin ? origin->type : "row";
+    const auto [it, first] = worst.try_emplace(type);
+    if (first || relative > it->second.relative)
+      it->second = {type, violation, relative, row_name(instance, i), origin ? origin->unit : ""};
+  }
+  std::vector<WorstRow> out;
+  for (auto& [type, row] : worst) out.push_back(std::move(row));
+  return out;
+}
+
 void judge(Result& r, const Instance& instance, const Solution& solution) {
   r.claimed = solution.status;
   const Reference* reference = instance.reference ? &*instance.reference : nullptr;
@@ -58,11 +86,7 @@ void judge(Result& r, const Instance& instance, const Solution& solution) {
   if (std::isfinite(r.error_bound)) r.promise = kept(instance.problem, r.metrics, reference, r.error_bound);
   r.worst_row = row_name(instance, r.metrics.worst_row);
   if (solution.z.size() == instance.problem.size() && solution.z.allFinite() && solution.z.size() > 0)
-    for (TypeResidual& worst : worst_by_type(instance, solution.z)) {
-      const auto row = static_cast<std::size_t>(worst.row);
-      const std::string unit = row < instance.origin.size() ? instance.origin[row].unit : "";
-      r.worst_by_type.push_back({std::move(worst), row_name(instance, worst.row), unit});
-    }
+    r.worst_by_type = worst_by_type(instance, solution.z);
   for (const Index i : r.metrics.conflicting) r.conflicting.push_back(row_name(instance, i));
   r.iterations = solution.iterations;
   r.margins = solution.margins;

@@ -10,12 +10,26 @@
 #include <vector>
 
 #include <zwang/bench/results/records.h>
+#include <zwang/core/problem/instance.h>
 #include <zwang/core/referee/measure.h>
-#include <zwang/core/referee/worst_rows.h>
 
 namespace zwang {
 
 inline bool is_right(Verdict v) { return v == Verdict::solved || v == Verdict::infeasible_proven; }
+
+// The row of its type that a z violates most.
+struct WorstRow {
+  std::string type = {};       // "contact", "ball_joint", ...
+  double violation = unknown;  // in the row's own unit of acceleration (J z - c)
+  double relative = unknown;   // on the unit row, divided by s
+  std::string name = {}, unit = {};
+
+  template <class Self, class Visit>
+  static void columns(Self& r, Visit visit) {
+    visit("type", r.type, "violation", r.violation, "relative", r.relative, "unit", r.unit, "row", r.name);
+  }
+};
+std::vector<WorstRow> worst_by_type(const Instance& instance, const Vector& z);
 
 // One line of results.jsonl: what one solver made of one problem at one tolerance.
 struct Result {
@@ -41,14 +55,6 @@ struct Result {
   std::string promise = {};        // "kept", "broken", "undecided", or "" where there is none
   double coulomb_error = unknown;  // |z - z*|_M / s, z* a solution of the same problem under Coulomb's law
   std::string worst_row = {};
-  struct WorstRow : TypeResidual {
-    std::string name = {}, unit = {};
-
-    template <class Self, class Visit>
-    static void columns(Self& r, Visit visit) {
-      visit("type", r.type, "violation", r.violation, "relative", r.relative, "unit", r.unit, "row", r.name);
-    }
-  };
   std::vector<WorstRow> worst_by_type = {};
   std::vector<std::string> conflicting = {};
   // the cost, s of thread CPU time

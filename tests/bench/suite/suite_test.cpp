@@ -186,9 +186,7 @@ TEST(Suite, TellsAfterEachProblemThatItsResultsStand) {
   const Folder folder("early");
   SuiteSettings settings = in(folder.path);
   std::size_t times = 0;
-  settings.between = [&] {
-    EXPECT_EQ(lines_of(folder.path / "results.jsonl").size(), 4 * ++times);
-  };
+  settings.between = [&] { EXPECT_EQ(lines_of(folder.path / "results.jsonl").size(), 4 * ++times); };
   run_suite(plan("all_active,lies"), settings, tests::never);
   EXPECT_EQ(times, 3u) << "once a problem";
 }
@@ -406,6 +404,24 @@ TEST(Suite, LosesNothingWhenInterrupted) {
   EXPECT_FALSE(read_run_record(folder.path).finished.empty());
 }
 
+TEST(Result, WorstRowOfEachTypeInItsOwnUnit) {
+  Matrix J(3, 2);
+  J << 2, 0, 0, 1, 0, 4;
+  Problem p{.name = "test", .z_u = Vector::Zero(2), .J = J.sparseView(), .c = Vec3(3, 1, 8)};
+  p.M = Matrix::Identity(2, 2).sparseView();
+  p.kind.assign(3, RowKind::inequality);
+  p.key.resize(3);
+  const Instance instance{.problem = p, .origin = {{"limit", "x"}, {"contact", "y"}, {"contact", "z"}}};
+  const std::vector<WorstRow> worst = worst_by_type(instance, Vec<double, 2>(1, 0.5));
+  ASSERT_EQ(worst.size(), 2u);
+  EXPECT_EQ(worst[0].type, "contact");
+  EXPECT_EQ(worst[0].name, "contact/z");
+  EXPECT_DOUBLE_EQ(worst[0].violation, 6);
+  EXPECT_DOUBLE_EQ(worst[0].relative, 1.5 / std::hypot(1, 0.5));
+  EXPECT_EQ(worst[1].type, "limit");
+  EXPECT_DOUBLE_EQ(worst[1].violation, 1);
+}
+
 TEST(Result, WritesNumbersThatJsonCannotHold) {
   Result r;
   r.knob_value = -std::numeric_limits<double>::infinity();
@@ -428,7 +444,7 @@ TEST(Result, IsReadBackAsItWasWritten) {
   r.metrics.verdict = Verdict::rows_off;
   r.metrics.z_bound = 0.1;
   r.metrics.friction.isolated = true;
-  r.worst_by_type = {{{"contact", 0x1p-40, Metrics::unknown, 3}, "contact 3", "m/s^2"}};
+  r.worst_by_type = {{"contact", 0x1p-40, unknown, "contact 3", "m/s^2"}};
   r.conflicting = {"a", "b"};
   r.margins.rank = 2;
   r.machine = "a CPU";

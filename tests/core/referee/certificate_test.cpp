@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include <zwang/core/referee/measure.h>
-#include <zwang/core/referee/worst_rows.h>
 
 namespace zwang {
 namespace {
@@ -79,21 +78,6 @@ TEST(Certificate, ARowWithHardlyAPartSaysHowLongAMotionIsToo) {
   const Vector u = Vector::Ones(2);
   EXPECT_EQ(claim_infeasible(p, u).verdict, Verdict::infeasible_claimed);
   EXPECT_EQ(measure(p, {.status = Status::infeasible, .certificate = u}, nullptr, 1e-10).verdict, Verdict::wrong);
-}
-
-TEST(Measure, WorstRowOfEachTypeInItsOwnUnit) {
-  Matrix J(3, 2);
-  J << 2, 0, 0, 1, 0, 4;
-  const Problem p = dense_problem(J, Vec3(3, 1, 8), std::vector(3, RowKind::inequality));
-  const Instance instance{.problem = p, .origin = {{"limit", "x"}, {"contact", "y"}, {"contact", "z"}}};
-  const std::vector<TypeResidual> worst = worst_by_type(instance, Vec<double, 2>(1, 0.5));
-  ASSERT_EQ(worst.size(), 2u);
-  EXPECT_EQ(worst[0].type, "contact");
-  EXPECT_EQ(worst[0].row, 2);
-  EXPECT_DOUBLE_EQ(worst[0].violation, 6);
-  EXPECT_DOUBLE_EQ(worst[0].relative, 1.5 / std::hypot(1, 0.5));
-  EXPECT_EQ(worst[1].type, "limit");
-  EXPECT_DOUBLE_EQ(worst[1].violation, 1);
 }
 
 // The same numbers whatever the rows, masses and lengths are measured in: powers of two change nothing at all.
