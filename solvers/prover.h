@@ -22,7 +22,8 @@ class Prover {
   virtual bool is_due(double work, double left = std::numeric_limits<double>::infinity()) = 0;
   // From the problem's multipliers. Where the bound is what was asked for, the solution is complete, and solved.
   virtual bool holds(const Vector& lambda, Solution& solution) = 0;
-  // The bound with which an answer ends that has none yet.
+  // The bound with which an answer ends that has none yet (NaN), and may have one; infinite, to a method that handed
+  // the problem on, where it may not.
   virtual void end(const Problem& problem, const SolveOptions& options, Solution& solution) = 0;
 };
 

@@ -5,7 +5,7 @@
 #include <numeric>
 
 #include <zwang/core/number/double_double.h>
-#include <zwang/solvers/linalg/way_inside.h>
+#include <zwang/solvers/form/bound_inside.h>
 
 namespace zwang {
 namespace {
@@ -80,6 +80,7 @@ bool JointSpaceActiveSet::prepare(const Problem& p) {
   taken_.clear();
   for (std::vector<Index>* list : {&taken_, &ordered_, &start_, &listed_}) list->reserve(place_.size());
   violated_.reserve(place_.size());
+  violation_.resize(place_.size());
   const Index bodies = form_.rows().bodies(), padded = climb_.padded();
   for (Motion* part : {&y_, &step_, &rest_, &rho_}) part->resize(BodyRows::lanes, bodies);
   for (Vector* part : {&mu_E_, &sigma_E_}) part->resize(static_cast<Index>(form_.equalities().size()));
@@ -297,16 +298,26 @@ bool JointSpaceActiveSet::rest_holds(double limit) {
   const double length = y_.norm(), far = std::max(length, rows.free_norm), touch = DenseDualActiveSet::epsilon * far;
   bool gives_way = false;  // would an active row, where one outside were obeyed?
   listed_.clear();
-  doubt_ = 0;
+  ordered_.clear();
   for (Index j = 0; j < static_cast<Index>(place_.size()); ++j) {
     if (is_active(j)) continue;
     const Index i = form_.inequalities()[at(j)];
-    const double size = rows.magnitude[i] + length;
-    if (rows.dot(i, y_) - rows.h[i] > tolerances::clear_slack * size) continue;
-    const double violation = point_.violation(rows, i);
+    if (rows.dot(i, y_) - rows.h[i] > tolerances::clear_slack * (rows.magnitude[i] + length)) continue;
+    listed_.push_back(i);
+    ordered_.push_back(j);
+  }
+  point_.violations(rows, listed_, violation_.data());
+  doubt_ = 0;
+  Index touching = 0;
+  for (Index k = 0; k < std::ssize(ordered_); ++k) {
+    const Index i = listed_[at(k)], j = ordered_[at(k)];
+    const double size = rows.magnitude[i] + length, violation = violation_[at(k)];
     if (violation > rounding * size) return false;
     const double most = violation + fine * size;
-    if (most > -touch) listed_.push_back(i);
+    if (most > -touch) {
+      listed_[at(touching)] = i;
+      violation_[at(touching++)] = violation;
+    }
     if (!(most > 0)) continue;
     take(j);
     const double share = climb_.share(place_[at(j)]), allowed = limit * far;
@@ -318,12 +329,13 @@ bool JointSpaceActiveSet::rest_holds(double limit) {
     else if (share > tolerances::exact_share || violation > std::min(left(i, far), rounding * point_.terms(rows, i)))
       return false;
   }
-  if (gives_way && listed_.size() > 1) return false;
-  if (listed_.size() > 1) doubt_ = infinity;
-  for (const Index i : listed_) {
-    if (!(point_.violation(rows, i) > left(i, far))) continue;
+  listed_.resize(at(touching));
+  if (gives_way && touching > 1) return false;
+  if (touching > 1) doubt_ = infinity;
+  for (Index t = 0; t < touching; ++t) {
+    if (!(violation_[at(t)] > left(listed_[at(t)], far))) continue;
     rest_.setZero();
-    rows.add(i, 1, rest_);
+    rows.add(listed_[at(t)], 1, rest_);
     for (const Index k : listed_)
       if (rows.dot(k, rest_) < tolerances::clear_pivot - 1) return false;
   }
@@ -339,36 +351,33 @@ double JointSpaceActiveSet::error_bound() {
   return relative_bound(doubt_ < infinity ? most + doubt_ : inside(most), length, free);
 }
 
-// Where more rows touch: at a point that meets all, as ExtendedPolish::bound_inside(), from what the forces are
-// `unbalanced`. Beside joints none is looked for.
+// Where more rows touch: at a point that meets all, from what the forces are `unbalanced`. Beside joints none is looked
+// for.
 double JointSpaceActiveSet::inside(double unbalanced) {
   const BodyRows& rows = form_.rows();
   const auto q = static_cast<Index>(climb_.active().size());
-  const double far = std::max(y_.norm(), rows.free_norm);
+  const double far = std::max(y_.norm(), rows.free_norm), enough = std::sqrt(DenseDualActiveSet::epsilon) * far;
   if (!form_.equalities().empty()) return infinity;
   s_v_.setZero();
   sigma_I_.head(q).setOnes();
   climb_.solve(s_v_, sigma_I_, dv_, dmu_);
   form_.expand(dv_, step_);
+  listed_.clear();
   for (Index k = 0; k < q; ++k) listed_.push_back(active_row(k));
-  open_all(rows, listed_, step_);
-  const double length = step_.norm(), loose = tolerances::wide_violation * DenseDualActiveSet::epsilon * length;
-  const auto violated = [&](Index i) {
-    const double slack = rows.dot(i, y_) - rows.h[i];
-    const bool is_clear = slack > tolerances::clear_slack * (rows.magnitude[i] + far);
-    return is_clear ? -slack / 2 : point_.violation(rows, i) + left(i, far);
-  };
-  const double way = way_inside([&](const auto& visit) {
-    for (const Index i : form_.inequalities()) visit(violated(i), rows.dot(i, step_) - loose);
-  });
-  double work = 0;
-  for (Index k = 0; k < q; ++k) {
-    const Index i = active_row(k);
-    const double slack = left(i, far) - point_.violation(rows, i);
-    work += std::max(0.0, mu_[k]) * std::max(0.0, slack + way * (rows.dot(i, step_) + loose));
+  for (Index j = 0; j < static_cast<Index>(place_.size()); ++j) {
+    const Index i = form_.inequalities()[at(j)];
+    if (!is_active(j) && !(rows.dot(i, y_) - rows.h[i] > 2 * enough)) listed_.push_back(i);
   }
-  const double most = way < infinity ? way * length + far_from(way * length + unbalanced, work) : infinity;
-  return most <= std::sqrt(DenseDualActiveSet::epsilon) * far ? most : infinity;
+  point_.violations(rows, listed_, violation_.data());
+  near_.clear();
+  for (Index k = 0; k < std::ssize(listed_); ++k) {
+    const double violation = violation_[at(k)], hidden = left(listed_[at(k)], far);
+    near_.push_back({listed_[at(k)], violation + hidden, hidden - violation, k < q ? mu_[k] : 0});
+  }
+  constexpr double epsilon = DenseDualActiveSet::epsilon, loose = tolerances::wide_violation * epsilon;
+  open_all(rows, near_, epsilon * far, step_);
+  const double bound = bound_inside(near_, step_.norm(), unbalanced, loose);
+  return bound <= enough ? bound : infinity;
 }
 
 }  // namespace zwang

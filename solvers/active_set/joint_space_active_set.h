@@ -72,9 +72,11 @@ class JointSpaceActiveSet {
   std::vector<Index> ordered_;                      // inequality rows
   std::vector<std::size_t> place_of_body_;          // in ordered_
   std::vector<Index> column_, start_, listed_;      // of a row of form_ among its inequalities; warm rows; active rows
+  std::vector<NearRow> near_;
   BodyPoint point_;
   Motion y_, own_y_, step_, rest_, rho_;
   Vector v_, mu_, mu_E_, sigma_E_, sigma_I_, dv_, dmu_, s_v_;
+  std::vector<double> violation_;
   double last_change_ = 0;  // of the refinement
   double doubt_ = 0;        // by how much rows outside the active set may move y; infinite: unknown
   std::string_view reason_;

@@ -180,12 +180,6 @@ void BodyPoint::whiten_force(const BodyRows& rows, Motion& rho) const {
     rho.col(b) = BodyRows::times(rows.mass[at(b)].L_inverse, unit * (force_.col(b) + force_rest_.col(b)));
 }
 
-double BodyPoint::violation(const BodyRows& rows, Index i) const {
-  double own = 0;
-  violations(rows, {&i, 1}, &own);
-  return own;
-}
-
 double BodyPoint::terms(const BodyRows& rows, Index i) const {
   const auto [first, second] = rows.body[at(i)];
   double sum = std::abs(rows.c[i]) + rows.own_part(i, 0).cwiseAbs().dot(z_.col(first).cwiseAbs());

@@ -27,8 +27,8 @@ class BodyPoint {
   void begin_force(const BodyRows& rows);
   void add_rows(const BodyRows& rows, std::span<const Index> listed, double* out);
   void whiten_force(const BodyRows& rows, Motion& rho) const;
-  // (c_i - J_i z) / |J_i|_(M^-1), likewise.
-  double violation(const BodyRows& rows, Index i) const;
+  // (c_i - J_i z) / |J_i|_(M^-1), likewise, of the rows listed.
+  void violations(const BodyRows& rows, std::span<const Index> listed, double* out) const;
   // (|c_i| + |J_i| |z|) / |J_i|_(M^-1), likewise: what a violation is made of.
   double terms(const BodyRows& rows, Index i) const;
 
@@ -37,8 +37,6 @@ class BodyPoint {
 
  private:
   using Lanes = BodyRows::Lanes;
-
-  void violations(const BodyRows& rows, std::span<const Index> listed, double* out) const;
 
   Motion z_, z_rest_, force_, force_rest_;
   Vector lambda_, lambda_rest_;  // of BodyRows

@@ -5,7 +5,7 @@
 #include <limits>
 #include <utility>
 
-#include <zwang/solvers/linalg/way_inside.h>
+#include <zwang/solvers/form/bound_inside.h>
 
 namespace zwang {
 
@@ -427,7 +427,7 @@ double ExtendedPolish<Real>::bound(ActiveRows& active) {
   const double rest = touching_.size() == 1 ? share(active, touching_[0]) : 1;
   const double across = touching_.size() == 1 ? (touched_ + error_) / rest : 0;
   const bool clear = std::min(rest, active.smallest_pivot()) > tolerances::clear_pivot;
-  if (touching_.size() > 1 || !clear || !(error_ + across <= epsilon * scale_)) return bound_inside(active);
+  if (touching_.size() > 1 || !clear || !(error_ + across <= epsilon * scale_)) return bound_beside(active);
   double most =
       2 * error_ + across + tolerances::violation * real_eps * static_cast<double>(w_->factor.tied()) * scale_;
   for (const Index i : active.rows())
@@ -435,33 +435,29 @@ double ExtendedPolish<Real>::bound(ActiveRows& active) {
   return relative_bound(most, length_, z_u_length_);
 }
 
-// Where more rows touch, or rows depend on each other: the bound at a point that meets all rows whatever rounding hides
-// (promise.h). It is z moved along the shortest motion that opens each active row by one; those that repeat them open
-// with them. No force of the answer needs to be known, and no row to be told from others.
+// Where more rows touch, or rows depend on each other: at a point that meets all, along the shortest motion that opens
+// each active row by one. Where equality rows repeat each other there is none (infinite), also not by promise.h.
 template <class Real>
-double ExtendedPolish<Real>::bound_inside(ActiveRows& active) {
+double ExtendedPolish<Real>::bound_beside(ActiveRows& active) {
   constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
-  if (std::ranges::count(w_->equality, 1) > 0) return unknown;
+  if (std::ranges::count(w_->equality, 1) > 0)
+    return std::ranges::any_of(touching_, [&](Index i) { return w_->equality[at(i)] != 0; }) ? infinity : unknown;
+  const double enough = std::sqrt(epsilon) * scale_;
+  double unbalanced = 2 * error_ + tolerances::violation * real_eps * static_cast<double>(w_->factor.tied()) * scale_;
+  near_.clear();
+  for (Index i = 0; i < w_->rows(); ++i) {
+    const double violation = static_cast<double>(rest(i).violation), push = static_cast<double>(unit(i));
+    if (push == 0 && !(violation > -2 * enough)) continue;
+    near_.push_back({i, violation + hidden(i), hidden(i) - violation, push});
+    unbalanced += std::max(0.0, -push);
+  }
   auto r2 = r2_.head(active.size());
   r1_.setZero();
   r2.setOnes();
   active.correct(r1_, r2);
-  touching_.insert(touching_.end(), active.rows().begin(), active.rows().end());
-  open_all(*w_, touching_, r1_);
-  const double length = r1_.norm(), rounding = tolerances::violation * epsilon * length;
-  const double way = way_inside([&](const auto& visit) {
-    for (Index i = 0; i < w_->rows(); ++i)
-      visit(static_cast<double>(violation(i)) + hidden(i), w_->dot(i, r1_) - rounding);
-  });
-  const double noise = tolerances::violation * real_eps * static_cast<double>(w_->factor.tied()) * scale_;
-  double force = way * length + 2 * error_ + noise, work = 0;
-  for (const Index i : active.rows()) {
-    const double push = static_cast<double>(unit(i)), slack = hidden(i) - static_cast<double>(violation(i));
-    force += std::max(0.0, -push);
-    work += std::max(0.0, push) * std::max(0.0, slack + way * (w_->dot(i, r1_) + rounding));
-  }
-  const double most = way * length + far_from(force, work);
-  return most <= std::sqrt(epsilon) * scale_ ? relative_bound(most, length_, z_u_length_) : unknown;
+  open_all(*w_, near_, epsilon * scale_, r1_);
+  const double most = bound_inside(near_, r1_.norm(), unbalanced, tolerances::violation * epsilon);
+  return most <= enough ? relative_bound(most, length_, z_u_length_) : unknown;
 }
 
 // Rows outside that hold with equality all the same are ignored; those that the active ones determine are redundant.

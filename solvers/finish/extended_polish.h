@@ -93,7 +93,7 @@ class ExtendedPolish {
     return share_[at(row)] >= 0 ? share_[at(row)] : active.share(row);
   }
   double bound(ActiveRows& active);
-  double bound_inside(ActiveRows& active);
+  double bound_beside(ActiveRows& active);
   void name_redundant(ActiveRows& active, Solution& s);
   // From z, not from z - z_u: a mechanism at rest then leaves residuals of zero from terms of zero.
   Real violation(Index i) { return rest(i).violation; }
@@ -124,7 +124,8 @@ class ExtendedPolish {
   std::vector<Index> asked_, again_, open_;  // rows outside to be expressed; of them, columns to be expressed again
   double hidden_in_z_ = 0;
   std::vector<Index> touching_;  // rows outside that are not open by more than rounding in double
-  double touched_ = 0;           // by how much the first of them is violated, at the most
+  std::vector<NearRow> near_;
+  double touched_ = 0;  // by how much the first of them is violated, at the most
 };
 
 }  // namespace zwang

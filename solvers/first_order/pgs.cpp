@@ -23,9 +23,8 @@ void Pgs::solve(const Problem& problem, const SolveOptions& options, Solution& s
     contraction.record((y - before).norm());
     const double scale = program.scale(y), tolerance = options.tolerance * scale;
     constexpr double rounding = 8 * std::numeric_limits<double>::epsilon();
-    constexpr double unknown = std::numeric_limits<double>::infinity();
     const bool asks = options.has_accuracy() && scale > 0;
-    if (iteration.step_done(asks ? contraction.distance_to_go(rounding * scale) / scale : unknown)) return;
+    if (iteration.step_done(asks ? contraction.distance_to_go(rounding * scale) / scale : infinity)) return;
 
     if (largest <= tolerance && contraction.distance_to_go(rounding * scale) <= tolerance) {
       program.motion(lambda, y);

@@ -184,6 +184,13 @@ struct BasicWhitened {
 
 using Whitened = BasicWhitened<double>;
 
+// A unit row near a point: by how much it may be violated there, negative where it is open, and by how much met,
+// whatever rounding hides; what it pushes, if anything; and by how much a motion opens it.
+struct NearRow {
+  Index row;
+  double violated, met, push, opens = 0;
+};
+
 // The Farkas vector of a zero row that cannot hold: 0 >= c > 0, or 0 = c.
 template <class Scalar>
 void zero_row_certificate(const BasicProblem<Scalar>& problem, Index conflict, VectorX<Scalar>& u) {

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <limits>
 
-#include <zwang/solvers/linalg/way_inside.h>
+#include <zwang/solvers/form/bound_inside.h>
 #include <zwang/solvers/solver_entry.h>
 
 namespace zwang {
@@ -30,8 +30,15 @@ double lightest(const Problem& p) {
 
 // By how much z may be off, relative to the motion, for being a vector of doubles.
 double rounding_of(const Problem& p, const Vector& z) {
-  const double motion = std::max(z.dot(p.M * z), p.z_u.dot(p.M * p.z_u));
-  return z == p.z_u ? 0 : eps / 2 * std::sqrt(z.cwiseAbs().dot(p.M.cwiseAbs() * z.cwiseAbs()) / motion);
+  if (z == p.z_u) return 0;
+  double size = 0, motion = 0, free = 0;
+  for (Index j = 0; j < p.size(); ++j)
+    for (SparseMatrix::InnerIterator it(p.M, j); it; ++it) {
+      const double term = z[it.row()] * it.value() * z[j];
+      motion += term, size += std::abs(term);
+      free += p.z_u[it.row()] * it.value() * p.z_u[j];
+    }
+  return eps / 2 * std::sqrt(size / std::max(motion, free));
 }
 
 }  // namespace
@@ -159,7 +166,7 @@ Promise::Bound Promise::look() {
     if (!met && !(missed <= before)) break;  // it runs away
     before = missed;
     if (!met || !distance()) continue;
-    const double first = far(still + factor_rounding_ * size, 0);
+    const double first = still + factor_rounding_ * size + far_from(2 * half_, gap_);
     if (!(first <= enough(program_->least_motion(v_), program_->exponent()))) continue;
     const double most = with_rounding(first, still, size), motion = program_->least_motion(v_) - most;
     if (!(most < infinity && (motion > 0 || most == 0))) break;
@@ -247,17 +254,12 @@ double Promise::inside(double still, double size) {
   if (!found) return infinity;
   program_->slack(v_, s_);
   face.slack(w_, ds_);
-  const double way = way_inside([&](const auto& visit) {
-    for (Index k = 0; k < nc; ++k) visit(rest - opened(k), second_order_cone::smallest(&ds_[3 * k]));
-    for (Index i = 3 * nc; i < s_.size(); ++i) visit(rest - s_[i], ds_[i]);
-  });
-  if (!(way < infinity)) return infinity;
-  const double apart = way * program_->length(w_);
-  half_ += apart / 2;
-  return far(still + factor_rounding_ * size + apart, way * std::max(0.0, y_.dot(ds_)) + rest * y_.lpNorm<1>());
+  near_.clear();
+  for (Index k = 0; k < nc; ++k) near_.push_back({k, rest - opened(k), 0, 0, second_order_cone::smallest(&ds_[3 * k])});
+  for (Index i = 3 * nc; i < s_.size(); ++i) near_.push_back({i, rest - s_[i], 0, 0, ds_[i]});
+  near_.push_back({-1, -infinity, gap_ + rest * y_.lpNorm<1>(), 1, std::max(0.0, y_.dot(ds_))});  // the work of all
+  return still + factor_rounding_ * size + bound_inside(near_, program_->length(w_), 2 * half_);
 }
-
-double Promise::far(double apart, double more) const { return apart + far_from(2 * half_, gap_ + more); }
 
 // The terms of the bound above, y_ being cut to the cones. False where a row without force is violated.
 bool Promise::distance() {
@@ -296,8 +298,12 @@ bool Promise::distance() {
 Prover& prover_in(Session<Promise>& kept) { return kept.open(); }
 
 void Promise::end(const Problem& problem, const SolveOptions& options, Solution& solution) {
-  if (std::isnan(solution.error_bound)) judge(problem, options, solution);
-  if (std::isfinite(solution.error_bound)) solution.error_bound += rounding_of(problem, solution.z);
+  double& bound = solution.error_bound;
+  if (std::isnan(bound)) judge(problem, options, solution);
+  if (std::isfinite(bound))
+    bound += rounding_of(problem, solution.z);
+  else
+    bound = options.prover ? infinity : Solution::unknown;
 }
 
 }  // namespace zwang

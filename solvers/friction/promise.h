@@ -61,7 +61,6 @@ class Promise final : public Prover {
   double opened(Index k) const {
     return s_[3 * k] - program_->law().opening() * second_order_cone::tangential(&s_[3 * k]);
   }
-  double far(double apart, double more) const;
   bool distance();
 
   const Problem* problem_ = nullptr;
@@ -74,6 +73,7 @@ class Promise final : public Prover {
   double half_ = 0, gap_ = 0;  // of the bound: |r| / 2, and the other terms
   double reach_ = 0;           // the right sides that rounding in a slack comes from
   Vector v_, y_, s_, h_, dv_, ds_, force_, w_, x_, t_;
+  std::vector<NearRow> near_;
   Solution scratch_;
 };
 

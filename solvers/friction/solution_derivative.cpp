@@ -8,10 +8,7 @@
 namespace zwang {
 namespace {
 
-long next_number() {
-  static std::atomic<long> last = 0;
-  return ++last;
-}
+std::atomic<long> last_number = 0;
 
 struct Workspace {  // fresh, all of a derivative takes twice the time
   ConeProgram program;
@@ -33,7 +30,7 @@ Workspace& workspace() {
 NullSpaceForm& SolutionDerivative::form() { return workspace().form; }
 
 SolutionDerivative::SolutionDerivative(const Problem& p, const Values& z, const Values& lambda)
-    : change_{.M = p.M, .J = p.J, .kind = p.kind, .law = p.law}, lambda_(lambda), number_(next_number()) {
+    : change_{.M = p.M, .J = p.J, .kind = p.kind, .law = p.law}, lambda_(lambda), number_(++last_number) {
   if (z.size() != p.size() || lambda.size() != p.rows())
     throw std::invalid_argument("modes are read off z and lambda of a solution");
   const Vector mass = p.M.diagonal(), light = mass.cwiseInverse();

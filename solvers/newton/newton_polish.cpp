@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <zwang/solvers/form/bound_inside.h>
+
 namespace zwang {
 namespace {
 
@@ -144,31 +146,22 @@ void NewtonPolish::open(AugmentedLagrangian& L, bool equality, double turn) {
   open_length_ = L.mass_norm(step_);
 }
 
-// |d - d*|_M at most, d* the answer, by the duality of Promise at a point that meets all rows: d moved along open_ as
-// far as any row is violated, or rounding hides. No force of the answer needs to be known for that, and rows may repeat
-// each other. Infinite where open_ does not open them, or not without moving equality rows; beside these it is no
-// bound.
+// |d - d*|_M at most, d* the answer, by the duality of Promise along open_. Infinite where that does not open rows, or
+// not without moving equality rows; beside these it is no bound.
 double NewtonPolish::bound(AugmentedLagrangian& L) {
-  constexpr double eps = std::numeric_limits<double>::epsilon();
-  const auto hidden = [&](Index i) {
-    return static_cast<double>(violation_[i] + tolerances::wide_violation * real_eps * (L.rows.magnitude[i] + L.scale));
-  };
-  double way = 0, gap = 0;
-  bound_ = infinity;
-  for (Index i = 0; i < open_.size(); ++i)
-    if (const double most = hidden(i); most > 0 && !L.is_equality(i))
-      way = open_[i] > tolerances::newton_unmoved ? std::max(way, most / open_[i]) : infinity;
+  constexpr double eps = std::numeric_limits<double>::epsilon(), still = tolerances::newton_unmoved;
+  near_.clear();
   step_ = force_.cast<double>();
   for (Index i = 0; i < open_.size(); ++i) {
-    if (L.is_equality(i) && way > 0 && std::abs(open_[i]) > tolerances::newton_unmoved) return infinity;
+    const double violation = static_cast<double>(violation_[i]), push = static_cast<double>(l_[i]), opens = open_[i];
+    if (L.is_equality(i) && std::abs(opens) > still) near_.push_back({i, 0, 0, 0, -1});
     if (L.is_equality(i)) continue;
-    if (open_[i] < 0 && hidden(i) > way * open_[i]) return infinity;
-    const auto push = static_cast<double>(l_[i]);
+    const auto rounding = static_cast<double>(real_eps) * (L.rows.magnitude[i] + L.scale);
+    const double most = violation + tolerances::wide_violation * rounding;
+    near_.push_back({i, most, std::abs(violation), push, most > 0 && !(opens > still) ? std::min(opens, 0.0) : opens});
     if (push < 0) L.add(i, -push, step_);
-    if (push > 0) gap += push * (std::abs(static_cast<double>(violation_[i])) + way * std::max(open_[i], 0.0));
   }
-  const double apart = way * open_length_, half = (L.force_norm(step_) + apart) / 2;
-  return bound_ = apart + half + std::sqrt(half * half + gap) +
+  return bound_ = bound_inside(near_, open_length_, L.force_norm(step_)) +
                   (tolerances::rank * eps + tolerances::violation * real_eps * L.rows.factor.tied()) * L.scale;
 }
 

@@ -53,6 +53,7 @@ class NewtonPolish {
   Vector open_;
   RealVector missed_;
   double open_length_ = 0;
+  std::vector<NearRow> near_;
   double bound_ = 0;  // what bound() returned last
   ExtendedPolish<FactorReal> proof_;
 };
