@@ -18,7 +18,6 @@ using lanes::Pack;
 // vanishes of smaller ones is nothing beside it, and speeds and gaps that fade reach 1e-318.
 constexpr double smallest = 0x1p-300, largest = 0x1p300;
 bool ordinary(double x) { return x > smallest && x < largest; }
-bool ordinary_or_zero(double x) { return x == 0 || ordinary(std::abs(x)); }
 
 }  // namespace
 
@@ -236,14 +235,15 @@ bool BodyRows::build(const Problem& p) {
   whiten_rows(p);
   if (!make_unit_rows()) return false;
 
-  // The unit of length: the worst violation of z_u.
+  // The unit of length: the worst violation of z_u, unless it has faded beside z_u.
   double worst = 0;
   for (Index i = 0; i < rows(); ++i) reciprocal_[i] = equality[at(i)] ? std::abs(h[i]) : h[i];
   if (rows() > 0) worst = std::max(worst, reciprocal_.head(rows()).maxCoeff());
   free_norm = free.norm();
-  if (!ordinary_or_zero(worst) || !(free_norm == 0 ? p.z_u.isZero(0) : ordinary(free_norm))) return false;
+  const double size = ordinary(worst) ? worst : free_norm;
+  if (!(std::max(worst, free_norm) < largest) || !(ordinary(size) || (worst == 0 && p.z_u.isZero(0)))) return false;
   exponent = 0;
-  (void)std::frexp(worst > 0 ? worst : free_norm, &exponent);
+  (void)std::frexp(size, &exponent);
   const double unit = std::ldexp(1.0, -exponent);
   h.head(rows()) *= unit;
   free *= unit;

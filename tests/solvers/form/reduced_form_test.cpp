@@ -124,6 +124,24 @@ TEST(NullSpaceForm, TakesEntriesThatHaveFaded) {
   EXPECT_FALSE(solver.solve(all, {}, a));
 }
 
+// What z_u violates rows by may have faded beside z_u, too.
+TEST(NullSpaceForm, TakesViolationsThatHaveFaded) {
+  Problem p{.name = "one of two bodies"};
+  p.M.resize(12, 12);
+  p.M.setIdentity();
+  p.z_u = Vector::Unit(12, 6);
+  p.J.resize(1, 12);
+  p.J.insert(0, 0) = 1;
+  p.c = Vector::Constant(1, 1e-100);
+  p.kind = {RowKind::equality};
+  p.key = {{1, 0}};
+  JointSpaceActiveSet solver;
+  Solution s;
+  s.reset(p.size(), p.rows());
+  ASSERT_TRUE(solver.solve(p, {}, s)) << solver.reason();
+  EXPECT_LE(distance(p, s.z, p.z_u), 1e-15);
+}
+
 // Without contacts nothing dense is left: 4096 links, which would take 4 GB, take the storage of one more body each.
 TEST(NullSpaceForm, AChainOfAnyLengthTakesNoDenseStorage) {
   const Instance chain = make_scenes("CHAIN(links=4096)").at(0);
