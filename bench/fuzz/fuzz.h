@@ -22,7 +22,7 @@ struct FuzzOptions {
 
 // What one solver made of all problems so far. Plain numbers: they live in memory that two processes share.
 struct FuzzTally {
-  std::uint64_t runs = 0;       // on problems with an exact answer
+  std::uint64_t runs = 0;       // on problems with a known answer
   std::uint64_t solved = 0;     // z right, and said so
   std::uint64_t flagged = 0;    // z right, "solved, ill-conditioned"
   std::uint64_t proven = 0;     // infeasible, with a certificate that the referee accepts
@@ -51,18 +51,18 @@ struct FuzzTally {
 struct Fault {
   std::uint64_t number = 0;
   std::string solver = {}, what = {};
-  Instance instance = {};  // with its exact answer, where there is one
+  Instance instance = {};  // with its answer, where there is one
 };
 
-// The problem with that number of a run, and its truth: in 100 digits, of promises under friction as
-// planted. None where contacts under Coulomb's law may have several answers.
+// The problem with that number of a run, and its truth: certified in 100 digits (kkt_certificate.h), of promises under
+// friction as planted. None where contacts under Coulomb's law may have several answers.
 Instance fuzzed(const FuzzOptions& options, std::uint64_t number);
 
 std::vector<std::string> fuzzed_solvers(const FuzzOptions& options, std::span<const SolverEntry> among);
 
 // Looks at one problem after the other:
 //
-//   every problem       all solvers against the exact answer; a claim of infeasibility needs a proven certificate
+//   every problem       all solvers against that answer; a claim of infeasibility needs a proven certificate
 //   every fourth        active-set methods again from random multipliers: z as before, to 1e-12
 //   every eighth        one entry NaN or Inf: refused; or denormal or 1e300: no claim that both witnesses of references
 //                       contradict

@@ -18,8 +18,8 @@ namespace zwang {
 
 int fuzz_command(std::vector<std::string> words) {
   CLI::App options(
-      "Solves small problems with exactly known answers and says where a solver's claim is not true. Their entries are "
-      "-1, 0, 1: ties, repeated, contradicting and empty rows are the rule. Some get warm starts, some NaN, Inf or "
+      "Solves small problems with known answers and says where a solver's claim is not true. Their entries are -1, 0, "
+      "1: ties, repeated, contradicting and empty rows are the rule. Some get warm starts, some NaN, Inf or "
       "1e300.");
   introduce(options, "fuzz",
             "  ./zwang fuzz --count 20000\n"

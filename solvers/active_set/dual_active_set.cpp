@@ -12,8 +12,7 @@ void DualActiveSet::solve(const Problem& problem, const SolveOptions& options, S
   constexpr Index body = 6;
   reduced_.begin();
   careful_.begin();
-  if (!reduce || options.observe || problem.size() % body != 0)
-    return careful_.own(problem.size(), problem.rows()).solve(problem, *this, options, solution);
+  if (!reduce || options.observe || problem.size() % body != 0) return solve_carefully(problem, options, solution);
   islands_.solve_apart([this](const Problem& p, const SolveOptions& o, Solution& part) { solve_island(p, o, part); },
                        body, problem, options, solution);
 }
@@ -32,7 +31,11 @@ void DualActiveSet::solve_island(const Problem& problem, const SolveOptions& opt
   if (solved) return;
   SolveOptions rest = options;
   rest.time_limit = deadline.left();
-  careful_.own(problem.size(), problem.rows()).solve(problem, *this, rest, solution);
+  solve_carefully(problem, rest, solution);
+}
+
+void DualActiveSet::solve_carefully(const Problem& problem, const SolveOptions& options, Solution& solution) {
+  careful_.own(problem.size(), problem.rows()).solve(problem, *this, options, solution);
 }
 
 void DualActiveSet::Careful::solve(const Problem& p, const DualActiveSet& settings, const SolveOptions& options,

@@ -54,6 +54,7 @@ struct DualActiveSet {
   };
 
   void solve_island(const Problem& problem, const SolveOptions& options, Solution& solution);
+  void solve_carefully(const Problem& problem, const SolveOptions& options, Solution& solution);
 
   Islands islands_;
   ShapeCache<JointSpaceActiveSet> reduced_;  // by joints: contacts may come and go

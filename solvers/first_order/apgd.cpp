@@ -5,6 +5,7 @@
 namespace zwang {
 
 namespace {
+
 // A lower bound on |G G'|, within a few per cent after ten rounds. The start has every row in it, unevenly, so that a
 // symmetric scene is not orthogonal to it. Unit rows: the eigenvalue is at least 1.
 double largest_eigenvalue(const UnitProgram& program, int rounds, Vector& lambda, Vector& y) {

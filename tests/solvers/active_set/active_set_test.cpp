@@ -98,7 +98,7 @@ TEST_P(ActiveSet, RowsThatMeetAtTwoToTheFortySevenAreNoContradiction) {
   p.M.diagonal() = Vector{{0x1p18, 0x1p17}};
   const Solution s = solver.solve(p);
   EXPECT_NE(s.status, Status::infeasible);
-  p.J.coeffRef(1, 1) = -0x1p-52;  // a rounding: nobody can tell this from 0
+  p.J.coeffRef(1, 1) = -0x1p-52;  // less than a rounding: taken for 0
   EXPECT_EQ(solver.solve(p).status, Status::infeasible);
 }
 
