@@ -177,6 +177,16 @@ void DenseDualActiveSet::start_from(std::span<const Index> rows) {
   restore_dual_feasibility();
 }
 
+bool DenseDualActiveSet::obey(Index j) {
+  if (is_dependent(share(j))) {
+    const Blocking<double> block = blocking();
+    if (block.row < 0) return false;
+    drop(block.row);
+  }
+  start_from({&j, 1});
+  return is_active(j);
+}
+
 bool DenseDualActiveSet::accept(const Vector& v, const Vector& u) {
   if (has_climbed()) v_ = v;
   u_.head(size()) = u.head(size());

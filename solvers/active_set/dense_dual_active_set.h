@@ -39,6 +39,9 @@ class DenseDualActiveSet {
   // The optimum of these rows alone, as far as they are clearly independent and their multipliers not negative: a warm
   // start.
   void start_from(std::span<const Index> rows);
+  // Row j becomes active, however little it is violated, and of those it depends on one gives way. False where none
+  // may, or its multiplier would pull.
+  bool obey(Index j);
 
   // Up to the optimum of the rows admitted, from the present active set.
   Status climb(int& iterations, int most_iterations, const Deadline& deadline);

@@ -170,7 +170,7 @@ bool JointSpaceActiveSet::finish(const SolveOptions& options, const Deadline& de
     if (climb_.has_climbed()) form_.reduce(y_, v_);
     if (climb_.accept(v_, mu_)) {
       if (rest_holds(limit)) break;
-      if (!take_violated()) return refuse("a row violated by less than rounding in double");
+      if (!take_violated() && !enter_short()) return refuse("a row violated by less than rounding in double");
     }
     if (round == rounds) return refuse("decisions that rounding makes");
     if (!settle(options, deadline, solution.iterations)) return false;
@@ -296,7 +296,7 @@ double JointSpaceActiveSet::left(Index i, double far) const {
 bool JointSpaceActiveSet::rest_holds(double limit) {
   const BodyRows& rows = form_.rows();
   const double length = y_.norm(), far = std::max(length, rows.free_norm), touch = DenseDualActiveSet::epsilon * far;
-  bool gives_way = false;  // would an active row, where one outside were obeyed?
+  Index gives_way = -1;  // a row outside: were it obeyed, an active one would
   listed_.clear();
   ordered_.clear();
   for (Index j = 0; j < static_cast<Index>(place_.size()); ++j) {
@@ -308,11 +308,12 @@ bool JointSpaceActiveSet::rest_holds(double limit) {
   }
   point_.violations(rows, listed_, violation_.data());
   doubt_ = 0;
+  short_ = -1;
   Index touching = 0;
   for (Index k = 0; k < std::ssize(ordered_); ++k) {
     const Index i = listed_[at(k)], j = ordered_[at(k)];
     const double size = rows.magnitude[i] + length, violation = violation_[at(k)];
-    if (violation > rounding * size) return false;
+    if (violation > rounding * size) return falls_short(j);
     const double most = violation + fine * size;
     if (most > -touch) {
       listed_[at(touching)] = i;
@@ -325,12 +326,12 @@ bool JointSpaceActiveSet::rest_holds(double limit) {
     doubt_ += share > tolerances::exact_share && moves <= touch ? moves : infinity;
     if (moves <= allowed) continue;
     if (climb_.detour(share, most) <= allowed)
-      gives_way = gives_way || violation > left(i, far);
+      gives_way = violation > left(i, far) ? j : gives_way;
     else if (share > tolerances::exact_share || violation > std::min(left(i, far), rounding * point_.terms(rows, i)))
-      return false;
+      return falls_short(j);
   }
   listed_.resize(at(touching));
-  if (gives_way && touching > 1) return false;
+  if (gives_way >= 0 && touching > 1) return falls_short(gives_way);
   if (touching > 1) doubt_ = infinity;
   for (Index t = 0; t < touching; ++t) {
     if (!(violation_[at(t)] > left(listed_[at(t)], far))) continue;
@@ -340,6 +341,14 @@ bool JointSpaceActiveSet::rest_holds(double limit) {
       if (rows.dot(k, rest_) < tolerances::clear_pivot - 1) return false;
   }
   return true;
+}
+
+// The row that rest_holds() stopped at becomes active, though double does not see that it is violated (a hand that
+// touches, and is all but at rest): the refinement then says with which force. False where the climb cannot.
+bool JointSpaceActiveSet::enter_short() {
+  if (short_ < 0) return false;
+  take(short_);
+  return climb_.obey(place_[at(short_)]);
 }
 
 // In exact arithmetic the last correction ends at the answer. It is counted twice for what the factors' rounding leaves

@@ -54,6 +54,11 @@ class JointSpaceActiveSet {
   void compute_residuals();
   double correct();
   bool rest_holds(double limit);
+  bool falls_short(Index j) {
+    short_ = j;
+    return false;
+  }
+  bool enter_short();
   double error_bound();
   double inside(double unbalanced);
   double left(Index i, double far) const;
@@ -77,6 +82,7 @@ class JointSpaceActiveSet {
   Motion y_, own_y_, step_, rest_, rho_;
   Vector v_, mu_, mu_E_, sigma_E_, sigma_I_, dv_, dmu_, s_v_;
   std::vector<double> violation_;
+  Index short_ = -1;        // an inequality row outside the active set that the refined answer does not meet
   double last_change_ = 0;  // of the refinement
   double doubt_ = 0;        // by how much rows outside the active set may move y; infinite: unknown
   std::string_view reason_;

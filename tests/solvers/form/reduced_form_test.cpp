@@ -142,6 +142,38 @@ TEST(NullSpaceForm, TakesViolationsThatHaveFaded) {
   EXPECT_LE(distance(p, s.z, p.z_u), 1e-15);
 }
 
+// A plate slides over a plane on four corners, whose rows depend on each other; that it sinks, and by how much one
+// corner is deeper than the others, is less than rounding of the slide, and has to be seen all the same.
+TEST(NullSpaceForm, SeesViolationsBelowRoundingInDouble) {
+  Problem p{.name = "plate"};
+  p.M.resize(6, 6);
+  p.M.setIdentity();
+  p.J.resize(4, 6);
+  for (int k = 0; k < 4; ++k) {
+    p.J.insert(k, 2) = 1;
+    p.J.insert(k, 3) = k % 2 == 0 ? -1 : 1;
+    p.J.insert(k, 4) = k / 2 == 0 ? -1 : 1;
+  }
+  p.c.resize(4);
+  p.kind.assign(4, RowKind::inequality);
+  p.key = {{1, 0}, {2, 0}, {3, 0}, {4, 0}};
+  JointSpaceActiveSet solver;
+  DualActiveSet careful;
+  careful.reduce = false;
+  Solution a, b;
+  for (int seed = 0; seed < 100; ++seed) {
+    p.z_u = Vector::Unit(6, 0);
+    for (int k = 0; k < 4; ++k) p.c[k] = 1e-16 * ((seed * 7 + k * k * 31) % 11 - 2);
+    a.reset(p.size(), p.rows());
+    ASSERT_TRUE(solver.solve(p, {}, a)) << solver.reason() << ", seed " << seed;
+    careful.solve(p, {}, b);
+    ASSERT_EQ(b.status, Status::solved);
+    EXPECT_EQ(a.z[0], 1);
+    EXPECT_LE((a.z - b.z).norm(), 1e-19) << seed;
+    EXPECT_LE((p.c - p.J * a.z).maxCoeff(), 1e-30) << seed;
+  }
+}
+
 // Without contacts nothing dense is left: 4096 links, which would take 4 GB, take the storage of one more body each.
 TEST(NullSpaceForm, AChainOfAnyLengthTakesNoDenseStorage) {
   const Instance chain = make_scenes("CHAIN(links=4096)").at(0);
