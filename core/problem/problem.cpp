@@ -25,24 +25,49 @@ void require_matching_sizes(const Problem& p) {
 
 namespace {
 
-// Zero times what is not finite is NaN: one pass along lanes for all entries.
-bool all_finite(const double* x, Index size) { return (Eigen::Map<const Vector>(x, size) * 0.0).sum() == 0; }
+// Squares of 1 / sqrt(M) have to fit a double, sums of them too, and so do M's own and |J M^-1/2|, which entries of J
+// below 2^512 cannot make too long. A fuzzed mass of 1e-319 made every solver wrong, entries of 1e308 most.
+constexpr double least_mass = 0x1p-960, greatest_mass = 0x1p1000, short_entry = 0x1p512;
+constexpr int longest_row = 1000;  // power of two
+
+// Zero times what is not finite, or is not after `enlarged`, is NaN: one pass along lanes for all entries.
+bool all_finite(const double* x, Index size, double enlarged = 1) {
+  return (Eigen::Map<const Vector>(x, size) * enlarged * 0.0).sum() == 0;
+}
+template <class Sparse>
+bool all_below(const Sparse& A, double limit) {
+  return A.isCompressed() && all_finite(A.valuePtr(), A.nonZeros(), 0x1p1023 / limit);
+}
+
+std::string name_of(const char* letter, Index i, Index k) {
+  return std::string(letter) + "(" + std::to_string(i) + ", " + std::to_string(k) + ")";
+}
 
 template <class Sparse>
-std::string non_finite(const Sparse& A, const char* letter) {
-  if (A.isCompressed() && all_finite(A.valuePtr(), A.nonZeros())) return {};
+std::string bad_entry(const Sparse& A, const char* letter, double limit) {
   for (Index k = 0; k < A.outerSize(); ++k)
-    for (typename Sparse::InnerIterator it(A, k); it; ++it)
-      if (!std::isfinite(it.value()))
-        return std::string(letter) + "(" + std::to_string(it.row()) + ", " + std::to_string(it.col()) +
-               ") is not a finite number";
+    for (typename Sparse::InnerIterator it(A, k); it; ++it) {
+      if (!std::isfinite(it.value())) return name_of(letter, it.row(), it.col()) + " is not a finite number";
+      if (std::abs(it.value()) > limit)
+        return name_of(letter, it.row(), it.col()) + " is above 2^" + std::to_string(std::ilogb(limit)) +
+               ": its square would overflow";
+    }
   return {};
 }
 
-// Squares of 1 / sqrt(M) have to fit a double, sums of them too. A fuzzed mass of 1e-319 made every solver wrong.
-constexpr double least_mass = 0x1p-960;
-
-std::string name_of(Index i, Index k) { return "M(" + std::to_string(i) + ", " + std::to_string(k) + ")"; }
+std::string bad_length(const Problem& p) {
+  const Eigen::SimplicialLLT<SparseMatrix> factor(p.M);
+  for (Index i = 0; i < p.rows() && factor.info() == Eigen::Success; ++i) {
+    const Vector row = p.J.row(i).transpose();
+    const double largest = row.lpNorm<Eigen::Infinity>();
+    if (!(largest > short_entry)) continue;
+    const int exponent = std::ilogb(largest);
+    const Vector unit = row * std::ldexp(1.0, -exponent);
+    if (exponent + std::ilogb(std::sqrt(unit.dot(factor.solve(unit)))) >= longest_row)
+      return "row " + std::to_string(i) + " of J is too long: |J M^-1/2| is above 2^" + std::to_string(longest_row);
+  }
+  return {};
+}
 
 // Do `size` columns from k on hold one full symmetric block and nothing else, of masses that are not too small?
 template <int size>
@@ -85,14 +110,13 @@ std::string bad_mass(const SparseMatrix& M) {
     int diagonal = begin;
     while (diagonal < end && inner[diagonal] < k) ++diagonal;
     if (diagonal < end && inner[diagonal] == k && value[diagonal] > 0 && value[diagonal] < least_mass)
-      return name_of(k, k) + " is below 2^-960: its inverse would overflow";
+      return name_of("M", k, k) + " is below 2^-960: its inverse would overflow";
     for (int e = begin; e < end; ++e) {
       const int i = inner[e];
       if (i == k) continue;
       const int mirror = outer[i] + (diagonal - begin);
       const bool there = mirror < (counts ? outer[i] + counts[i] : outer[i + 1]) && inner[mirror] == k;
-      if ((there ? value[mirror] : M.coeff(k, i)) != value[e])
-        return "M is not symmetric at " + name_of(i, k).substr(1);
+      if ((there ? value[mirror] : M.coeff(k, i)) != value[e]) return "M is not symmetric at " + name_of("", i, k);
     }
   }
   return {};
@@ -124,8 +148,11 @@ std::string bad_friction(const Problem& p) {
 }  // namespace
 
 std::string bad_input(const Problem& p) {
-  if (std::string text = non_finite(p.M, "M"); !text.empty()) return text;
-  if (std::string text = non_finite(p.J, "J"); !text.empty()) return text;
+  const bool long_rows = !all_below(p.J, short_entry);
+  if (!all_below(p.M, greatest_mass))
+    if (std::string text = bad_entry(p.M, "M", greatest_mass); !text.empty()) return text;
+  if (long_rows)
+    if (std::string text = bad_entry(p.J, "J", infinity); !text.empty()) return text;
   const bool check_z_u = !all_finite(p.z_u.data(), p.size()), check_c = !all_finite(p.c.data(), p.rows());
   for (Index i = 0; check_z_u && i < p.size(); ++i)
     if (!std::isfinite(p.z_u[i])) return "z_u(" + std::to_string(i) + ") is not a finite number";
@@ -134,7 +161,8 @@ std::string bad_input(const Problem& p) {
     if (!std::isfinite(p.c[i]) && !inactive) return "c(" + std::to_string(i) + ") is not a finite number";
   }
   if (std::string text = bad_friction(p); !text.empty()) return text;
-  return bad_mass(p.M);
+  if (std::string text = bad_mass(p.M); !text.empty()) return text;
+  return long_rows ? bad_length(p) : std::string();
 }
 
 bool is_positive_definite(const SparseMatrix& M) {

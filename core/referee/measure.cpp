@@ -98,6 +98,7 @@ Verdict judge_z(const Problem& problem, const ScaledProblem& scaled, const Solut
   proven.upper = std::min(proven.upper, out.z_bound);
   proven.lower =
       std::max({proven.lower, bound.lower / scaled.scale_of(bound.greatest_norm), referee::least_error(out.primal)});
+  out.z_least = proven.lower;
   if (proven.lower > proven.upper) return Verdict::undecided;
   return by_error(proven.upper, proven.lower, tolerance);
 }

@@ -59,6 +59,7 @@ struct Metrics {
   double scale = unknown;               // s = max(|z_u|_M, |z*|_M or |z|_M, smallest normal number)
   double z_error = unknown;             // |z - z*|_M / max(|z_u|_M, |z*|_M), when there is a reference
   double z_bound = unknown;             // upper bound on it that uses no reference
+  double z_least = 0;                   // lower bound on it, as far as the verdict asked for one
   std::string bound_method = {};        // "active set", "opening" or "gap"
   double bound_sigma_min = unknown;     // sigma_min(G_A) of the active-set bound
   double primal = unknown;              // worst violated row

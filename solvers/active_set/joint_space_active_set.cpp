@@ -14,6 +14,14 @@ constexpr double fine = 0x1p-63, rounding = tolerances::wide_violation * fine;
 // What sums of twice the digits lose of their terms.
 constexpr double twice = tolerances::wide_violation * static_cast<double>(std::numeric_limits<DoubleDouble>::epsilon());
 
+// Has it an entry that rounding hides beside the others? It may be all that a combination of rows leaves.
+bool is_faint(const BodyRows& rows, Index i) {
+  const auto faint = [&](const auto& part) {
+    return ((part.array() != 0) && (part.array().abs() < tolerances::faint_share * rows.row_norm[i])).any();
+  };
+  return faint(rows.own_part(i, 0)) || (rows.body[zwang::at(i)][1] >= 0 && faint(rows.own_part(i, 1)));
+}
+
 }  // namespace
 
 // Pivots and remainders between these could go either way by the rounding of N.
@@ -327,6 +335,8 @@ bool JointSpaceActiveSet::rest_holds(double limit) {
     if (moves <= allowed) continue;
     if (climb_.detour(share, most) <= allowed)
       gives_way = violation > left(i, far) ? j : gives_way;
+    else if (share <= tolerances::exact_share && is_faint(rows, i))
+      return short_ = -1, false;
     else if (share > tolerances::exact_share || violation > std::min(left(i, far), rounding * point_.terms(rows, i)))
       return falls_short(j);
   }
@@ -334,7 +344,7 @@ bool JointSpaceActiveSet::rest_holds(double limit) {
   if (gives_way >= 0 && touching > 1) return falls_short(gives_way);
   if (touching > 1) doubt_ = infinity;
   for (Index t = 0; t < touching; ++t) {
-    if (!(violation_[at(t)] > left(listed_[at(t)], far))) continue;
+    if (!(violation_[at(t)] > left(listed_[at(t)], far)) && !is_faint(rows, listed_[at(t)])) continue;
     rest_.setZero();
     rows.add(listed_[at(t)], 1, rest_);
     for (const Index k : listed_)

@@ -41,7 +41,12 @@ void ExtendedPolish<Real>::prepare(const Problem& p, const Whitened& w) {
   z_number_ = 0;
   share_.resize(at(k));
   touching_.reserve(at(k));
-  for (Index i = 0; i < k; ++i) b_[i] = violation(i);
+  has_faint_ = false;
+  for (Index i = 0; i < k; ++i) {
+    b_[i] = violation(i);
+    for (RowMatrix::InnerIterator it(p.J, w.row[at(i)]); it; ++it)
+      has_faint_ = has_faint_ || (it.value() != 0 && std::abs(it.value()) < tolerances::faint_share * w.row_norm[i]);
+  }
   z_u_length_ = w.free_norm;
 }
 
@@ -333,7 +338,8 @@ Index ExtendedPolish<Real>::doubt_others(ActiveRows& active, double limit, bool 
     const Real most = doubt(i).most;
     if (most > -touch && touching_.empty()) touched_ = std::max(0.0, static_cast<double>(most));
     if (most > -touch) touching_.push_back(i);
-    if (most + tolerances::wide_violation * hidden(i) > needless * tolerances::rank * real_eps) asked_.push_back(i);
+    const bool may_move = most + tolerances::wide_violation * hidden(i) > needless * tolerances::rank * real_eps;
+    if (may_move || (has_faint_ && most > -touch)) asked_.push_back(i);
   }
   const auto together = at(passes_on ? 1 : active.together());  // the first that blurs is the last
   std::span<const Index> left(asked_);
@@ -342,7 +348,7 @@ Index ExtendedPolish<Real>::doubt_others(ActiveRows& active, double limit, bool 
     entering = doubt_these(active, left.first(std::min(together, left.size())), limit, passes_on);
     left = left.subspan(std::min(together, left.size()));
   }
-  is_blurred_ = is_blurred_ || (entering < 0 && wedge());
+  is_blurred_ = (entering < 0 && wedge()) || is_blurred_;
   return entering;
 }
 
@@ -387,24 +393,59 @@ Index ExtendedPolish<Real>::doubt_these(ActiveRows& active, std::span<const Inde
         over > 0 && (combination || over > needless * rho) && over > tolerances::violation * inherited(active, c);
     if (violated && state_[at(rows[at(c)])] == State::outside) return rows[at(c)];
     is_blurred_ = is_blurred_ || (combination && !violated);
-    if (combination && !violated) continue;
-    double far = static_cast<double>(most) / rho;
-    if (!violated) far = std::min(far, detour(active, c, sign, rho, static_cast<double>(most)));
+    const double left = combination && !violated ? left_of(rows[at(c)], active.rows(), mu_.col(c).head(a)) : rho;
+    if (!(left > 0)) continue;
+    const double own = static_cast<double>(most) + (combination ? inherited(active, c) : 0);
+    double far = own / left;
+    if (!violated) far = std::min(far, detour(active, c, sign, left, own));
     error_ = std::max(error_, std::min(scale_, far));
   }
   return -1;
 }
 
-// Whether rows that touch are all but opposed. What rounding hides of one, over their opening, may be any motion.
+// How long that unit row less a combination of others is, in the columns where their own entries do not cancel. Beside
+// an entry of 1 one of 1e-33, the square of a right angle's cosine, is nothing to the row's length, and all there is in
+// its column.
+template <class Real>
+double ExtendedPolish<Real>::left_of(Index row, std::span<const Index> others, const auto& mu) {
+  using std::abs;
+  static const double cancelled = std::sqrt(real_eps);
+  force_.setZero();
+  r1_.setZero();
+  double weight = 0;
+  const auto take = [&](Index i, const Real& factor) {
+    add_row(i, factor / Real(w_->row_norm[i]), force_);
+    for (RowMatrix::InnerIterator it(p_->J, w_->row[at(i)]); it; ++it)
+      r1_[it.col()] += std::abs(it.value()) / w_->row_norm[i];
+    weight += static_cast<double>(abs(factor));
+  };
+  take(row, Real(1));
+  for (std::size_t k = 0; k < others.size(); ++k) take(others[k], -mu[static_cast<Index>(k)]);
+  for (Index j = 0; j < force_.size(); ++j) {
+    const double entry = static_cast<double>(force_[j]);
+    r1_[j] = std::abs(entry) > cancelled * weight * r1_[j] ? entry : 0;
+  }
+  if (r1_.size() > 0) w_->factor.solve_lower(r1_);
+  return r1_.norm();
+}
+
+// Whether rows that touch are all but opposed. What rounding hides of two, over their opening, may be any motion.
 template <class Real>
 bool ExtendedPolish<Real>::wedge() {
+  bool found = false;
   for (std::size_t i = 0; i + 1 < touching_.size(); ++i) {
-    r1_.setZero();
-    w_->add(touching_[i], 1.0, r1_);
-    for (const Index k : std::span(touching_).subspan(i + 1))
-      if (w_->dot(k, r1_) < tolerances::clear_pivot - 1) return true;
+    const Index first = touching_[i];
+    wedge_.setZero(r1_.size());
+    w_->add(first, 1.0, wedge_);
+    for (const Index k : std::span(touching_).subspan(i + 1)) {
+      if (!(w_->dot(k, wedge_) < tolerances::clear_pivot - 1)) continue;
+      found = true;
+      const double most = static_cast<double>(doubt(first).most + doubt(k).most);
+      const double opens = most > 0 ? left_of(k, {&first, 1}, Vec<double, 1>(-1)) : 0;
+      if (opens > 0) error_ = std::max(error_, std::min(scale_, most / opens));
+    }
   }
-  return false;
+  return found;
 }
 
 template <class Real>

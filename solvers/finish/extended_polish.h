@@ -89,6 +89,7 @@ class ExtendedPolish {
   double detour(const ActiveRows& active, Index column, Real sign, double share, double violation) const;
   void write(Solution& s) const;
   bool wedge();
+  double left_of(Index row, std::span<const Index> others, const auto& mu);
   double share(ActiveRows& active, Index row) const {  // of a row outside
     return share_[at(row)] >= 0 ? share_[at(row)] : active.share(row);
   }
@@ -110,6 +111,7 @@ class ExtendedPolish {
   Matrix V_, T_;        // n and |A| x together(): of express()
   Vector last_;         // together(): the last columns of T_ that changed mu_
   Vector r1_, r2_;      // whitened residuals
+  Vector wedge_;        // n: one of the rows that touch
   Vector certificate_;  // m: the Farkas vector under test
   std::vector<char> state_;
   std::vector<Rest> rest_;     // k
@@ -119,9 +121,9 @@ class ExtendedPolish {
   double length_ = 0;  // |y|
   double scale_ = 0;   // max(|z_u|_M, |y|), units of 2^exponent
   double z_u_length_ = 0;
-  double error_ = 0;  // estimate of |z - z*|_M for the active set at hand
-  bool is_blurred_ = false;
-  std::vector<Index> asked_, again_, open_;  // rows outside to be expressed; of them, columns to be expressed again
+  double error_ = 0;                             // estimate of |z - z*|_M for the active set at hand
+  bool is_blurred_ = false, has_faint_ = false;  // has a row an entry that is nothing to its length?
+  std::vector<Index> asked_, again_, open_;      // rows outside to be expressed; of them, columns to be expressed again
   double hidden_in_z_ = 0;
   std::vector<Index> touching_;  // rows outside that are not open by more than rounding in double
   std::vector<NearRow> near_;

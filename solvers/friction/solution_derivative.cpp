@@ -166,6 +166,7 @@ SolutionDerivative::Change SolutionDerivative::once(const Sides& sides, bool bac
   const double size = sides.z_u.lpNorm<1>() + sides.force.lpNorm<1>() + sides.moved(rows).lpNorm<1>();
   if (size != 0 && !(size < tolerances::derivative_length && 1 / size < tolerances::derivative_length))
     throw std::invalid_argument("the squares of the direction's entries are beyond doubles");
+  if (change_.M.cols() == 0) return {sides.z_u, Vector::Zero(by_mu.size()), true, true, false};
   constexpr double most_seconds = 60;
   const Deadline deadline(most_seconds);
   if (std::exchange(work.owner, 0) != number_) {

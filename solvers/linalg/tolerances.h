@@ -83,6 +83,8 @@ inline constexpr double no_contraction = 0.3, stalled = 1e-6;
 inline constexpr double reduced_to_nothing = 1e-13;
 // What rounding mostly leaves of a row that the others determine exactly. More goes to the careful path.
 inline constexpr double exact_share = 1e-16;
+// Of a row's length: an entry that may be all a combination of rows leaves, and is less than the refinement sees.
+inline constexpr double faint_share = 1e-20;
 // A slack, of its terms, that rounding in double leaves no doubt about.
 inline constexpr double clear_slack = 1e-12;
 // Kahan's criterion: below this part of its squared length a remainder is orthogonalized once more.

@@ -99,7 +99,8 @@ class Search {
       const WarmStart start{problem_.key, p_.to_multipliers(push).cast<double>()};
       method.solve(problem_,
                    {.tolerance = referee::settled, .time_limit = search.deadline.left(), .warm_start = &start}, end);
-      if (end.z.size() != problem_.size() || !end.z.allFinite() || !end.lambda.allFinite()) return;
+      if (end.z.size() != problem_.size() || end.lambda.size() != problem_.rows()) return;
+      if (!end.z.allFinite() || !end.lambda.allFinite()) return;
       ModePoint point{p_.motion(end.z), p_.multipliers(end.lambda), {}};
       for (const double cut : {referee::mode_cut, referee::coarse_mode_cut}) {
         point.modes = modes_by_size(p_, point.x, point.lambda, cut);

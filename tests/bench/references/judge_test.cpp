@@ -57,6 +57,25 @@ TEST(Judge, KeepsWhatMeasureSaysOfAMotionThroughAWall) {
   EXPECT_LE(j.at_least, j.at_most) << j.text;
 }
 
+// Two rows that open a wedge of 1e-100: only rationals tell that the answer is its corner, at a distance of 1.
+TEST(Judge, SaysHowFarOffAWrongAnswerIsAtLeast) {
+  const Instance wedge{.problem = test::make_problem(
+                           vector({1, 1}), vector({-1, 0}),
+                           {{RowKind::inequality, vector({0, 1}), 0}, {RowKind::inequality, vector({1e-100, -1}), 0}})};
+  const Judgement j = judge(wedge, vector({-1, 0}), Vector(), 1e-8);
+  EXPECT_EQ(j.verdict, Verdict::wrong) << j.text;
+  EXPECT_NEAR(j.at_least, 1, 1e-8) << j.text;
+}
+
+// Without unknowns a row that cannot hold is all there is.
+TEST(Judge, TakesFrictionWithoutUnknowns) {
+  Problem p = SmallFrictional{.z_u = vector({0})}.contact(.5, {{vector({0}), 1}, {vector({0}), 0}}).problem();
+  p.M.resize(0, 0);
+  p.z_u.resize(0);
+  p.J.resize(2, 0);
+  EXPECT_FALSE(called_right(judge(Instance{.problem = p}, Vector(), Vector::Zero(2), 1e-8).verdict));
+}
+
 // Painleve's rod, mu = 2: it opens, slides or sticks, in rationals.
 TEST(Judge, CallsNoneOfSeveralSolutionsWrong) {
   const Instance rod{.problem = test::rod(2)};

@@ -31,6 +31,17 @@ TEST(Problem, NamesTheEntryThatIsNotFinite) {
   EXPECT_EQ(bad_input(p), "J(0, 2) is not a finite number");
 }
 
+// |J M^-1/2| of it has to fit a double.
+TEST(Problem, NamesWhatIsTooLarge) {
+  Problem p = falling_point();
+  p.J.coeffRef(0, 2) = 0x1p990;
+  EXPECT_EQ(bad_input(p), "");
+  p.M.coeffRef(2, 2) = 0x1p-40;
+  EXPECT_EQ(bad_input(p), "row 0 of J is too long: |J M^-1/2| is above 2^1000");
+  p.M.coeffRef(2, 2) = 0x1p1010;
+  EXPECT_EQ(bad_input(p), "M(2, 2) is above 2^1000: its square would overflow");
+}
+
 TEST(Problem, AllowsMinusInfinityOnInequalityRowsOnly) {
   Problem p = falling_point();
   p.c[0] = -std::numeric_limits<double>::infinity();

@@ -190,5 +190,28 @@ TEST(NnlsPaper, PutsTheHalfOutsideTheNorm) {
   EXPECT_EQ(s.z[0], 0);
 }
 
+// The answer of each is 0. What tells it from z_u stands in one entry that is nothing to its row: a right angle's
+// cosine, squared. Also as motions of a body, where dual_active_set has a fast path.
+TEST(FaintEntries, AreNotTakenForNothing) {
+  const double e = std::pow(std::cos(std::acos(0.)), 2);
+  const auto row = [](double x, double y, double w) { return Eigen::RowVector3d(x, y, w); };
+  for (const double faint : {e, 0x1p-104, 0x1p-250})
+    for (const Index n : {3, 6})
+      for (const auto& [first, second, equalities] :
+           {std::tuple(row(0, 1, 0), row(faint, -1, 0), 0), std::tuple(row(0, 1, -1), row(faint, -2, 2), 0),
+            std::tuple(row(0, 1, 0), row(faint, -1, 0), 2), std::tuple(row(0, 1, -1), row(faint, -2, 2), 1)}) {
+        Matrix J = Matrix::Zero(2, n);
+        J.topLeftCorner(1, 3) = first;
+        J.bottomLeftCorner(1, 3) = second;
+        Vector z_u = Vector::Zero(n);
+        z_u[0] = -1;
+        for (const char* solver : {"dual_active_set", "nnls", "cholesky"}) {
+          const Solution s = make_solver(solver).solve(unit_mass(J, Vector::Zero(2), z_u, equalities));
+          EXPECT_TRUE(s.status != Status::solved || s.z.norm() < 1e-10)
+              << solver << ", " << n << ", " << faint << ", " << J << ": " << s.z.transpose();
+        }
+      }
+}
+
 }  // namespace
 }  // namespace zwang

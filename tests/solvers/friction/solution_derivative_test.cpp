@@ -150,6 +150,15 @@ TEST(SolutionDerivativeOfBadInput, IsRefusedInOneLine) {
   }
 }
 
+TEST(SolutionDerivativeOfABox, OfNoUnknownsIsEmpty) {
+  Problem nothing;
+  nothing.M.resize(0, 0);
+  const Problem p = make_scenes("tower(boxes=1)").at(0).problem;
+  const Solution at = make_solver("dual_active_set").solve(p, tight);
+  SolutionDerivative(p, at.z, at.lambda).along(Vector::Ones(p.size()), none, none, none);  // leaves its factor behind
+  EXPECT_EQ(SolutionDerivative(nothing, Vector(), Vector()).along(none, none, none, none).z.size(), 0);
+}
+
 TEST(SolutionDerivativeOfABox, SaysThatForcesAreNotUnique) {
   const Problem p = make_scenes("tower(boxes=1)").at(0).problem;
   const Solution at = make_solver("dual_active_set").solve(p, tight);
