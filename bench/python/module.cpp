@@ -14,6 +14,7 @@
 #include <numeric>
 
 #include <zwang/bench/packs/judge_pack.h>
+#include <zwang/bench/program/long_run.h>
 #include <zwang/bench/references/judge.h>
 #include <zwang/bench/scenes/catalog.h>
 #include <zwang/bench/scenes/scene_change.h>
@@ -216,7 +217,11 @@ void judge_answers(const std::filesystem::path& directory, const std::vector<std
   std::vector<Answers> contestants;
   for (const std::filesystem::path& file : files) contestants.push_back(read_answers(file, pack));
   judge_pack(pack, std::move(contestants),
-             {.directory = out, .cache = reference_cache(), .command = "zwang.judge_pack", .quiet = true}, false);
+             {.directory = new_directory(out.string(), ""),
+              .cache = reference_cache(),
+              .command = "zwang.judge_pack",
+              .quiet = true},
+             false);
 }
 
 }  // namespace
@@ -402,7 +407,10 @@ PYBIND11_MODULE(_zwang, m) {
     std::optional<py::gil_scoped_release> working;
     if (!keep_python) working.emplace();
     run_suite(make_plan(std::move(options)),
-              {.directory = directory, .cache = reference_cache(), .command = "zwang.bench", .quiet = !progress},
+              {.directory = new_directory(directory.string(), ""),
+               .cache = reference_cache(),
+               .command = "zwang.bench",
+               .quiet = !progress},
               false);
   });
 }

@@ -11,7 +11,7 @@ import sys
 
 # Just above the dearest of the tree, (headers, lines of code). Who passes a mark first tries a forward declaration, a header
 # in two, or what a header includes for its .cpp alone; then a higher mark, with the reason in the commit.
-marks = {".cpp": (70, 4200), ".h": (57, 3750)}
+marks = {".cpp": (71, 4200), ".h": (57, 3750)}
 # Dearer, for a reason.
 higher = {"solvers/registry.cpp": (97, 5000)}  # lists every solver, and gives each what it hands on to
 dear = re.compile(r"nlohmann/json\.hpp|CLI/|mujoco/|bullet/|Bullet|LinearMath/|bt[A-Z]\w*\.h|fcl/|CGAL/|boost/|assimp/|Ip[A-Z]\w*\.hpp|"

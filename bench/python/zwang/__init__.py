@@ -13,6 +13,7 @@ Distances are taken in the M-norm, |d| = sqrt(d' M d), relative to s = max(|z_u|
 """
 import functools
 import importlib
+import itertools
 import json
 import pathlib
 import tempfile
@@ -319,21 +320,29 @@ def scene_gradient(problem, bars):
 
 
 def add_solver(name, function, method="a Python function"):
-    """Makes a Python function a solver of that name, for solve() and bench(): function(problem, tolerance) returns z,
-    or (z, lambda), or None where it has no answer. It runs in a child process with a deadline."""
+    """Makes a Python function a solver of that name, for solve() and bench(), in place of an earlier function of that name:
+    function(problem, tolerance) returns z, or (z, lambda), or None where it has no answer. It runs in a child process with a deadline."""
     def call(problem, tolerance):
-        answer = function(problem, tolerance)
+        answer = _python_solvers[name](problem, tolerance)
         if answer is None:
             return None
         if isinstance(answer, tuple) and len(answer) != 2:
             raise ValueError("expected z or (z, lambda)")
         z, force = answer if isinstance(answer, tuple) else (answer, None)
         return _numbers(z, "z"), _numbers(force, "lambda")
-    _zwang.add_solver(name, call, method)
-    _python_solvers.add(name)
+    if name not in _python_solvers:
+        _zwang.add_solver(name, call, method)
+    _python_solvers[name] = function
 
 
-_python_solvers = set()
+_python_solvers = {}
+
+
+def _name_of(function, taken):
+    """Under which bench() runs a function: its own name, with -2, -3, ... where `taken` has another function of that name."""
+    own = getattr(function, "__name__", type(function).__name__).replace("<", "").replace(">", "")
+    names = itertools.chain([own], (f"{own}-{k}" for k in itertools.count(2)))
+    return next(name for name in names if taken.get(name, function) is function)
 
 
 def bench(scenes=None, *, suite="quick", solvers=None, tolerances=None, repetitions=0, seed=1, law=None, out=None,
@@ -341,36 +350,38 @@ def bench(scenes=None, *, suite="quick", solvers=None, tolerances=None, repetiti
     """Runs solvers on scenes ("hand(contacts=16,64)"), files, problems (a Problem, or a list), or a suite; returns one
     dict a run, with the keys of results.jsonl (docs/formats.md): pandas.DataFrame(zwang.bench(...)).
 
-    solvers: names, or Python functions (see add_solver), or "qpsolvers:NAME" for a solver that qpsolvers finds.
+    solvers: names, or Python functions (see add_solver; two of one name are told apart as mine and mine-2), or "qpsolvers:NAME" for a
+    solver that qpsolvers finds.
     law: of every problem ("frictionless", "pyramid", "convex", "coulomb"); None: its own.
-    out: a folder that keeps the run, for `zwang report`. progress: lines on stderr on how far it is.
+    out: a new folder that keeps the run, for `zwang report`. progress: lines on stderr on how far it is.
     """
     from . import qpsolvers as outside
+    asked = [] if solvers is None else [solvers] if isinstance(solvers, str) or callable(solvers) else list(solvers)
+    taken = {solver: _python_solvers.get(solver) for solver in asked if isinstance(solver, str)}
     names = []
-    for solver in [] if solvers is None else [solvers] if isinstance(solvers, str) or callable(solvers) else solvers:
+    for solver in asked:
         if callable(solver):
-            name = getattr(solver, "__name__", "function").replace("<", "").replace(">", "")
-            if name not in _python_solvers:
-                add_solver(name, solver)
+            name = _name_of(solver, taken)
+            taken[name] = solver
+            add_solver(name, solver)
             solver = name
         elif not isinstance(solver, str):
             raise TypeError(f"solvers should be names or functions: {solver!r}")
         elif solver.startswith("qpsolvers:"):
             solver = outside.add(solver.split(":", 1)[1])
         names.append(solver)
-    problems, files, text = [], [], ""
-    if isinstance(scenes, str):
-        text = scenes
-    elif isinstance(scenes, _zwang.Problem):
-        problems = [scenes]
-    elif isinstance(scenes, pathlib.PurePath):
-        files = [scenes]
-    elif scenes is not None:
-        problems = list(scenes)
+    given = [scenes] if isinstance(scenes, (str, _zwang.Problem, pathlib.PurePath)) else [] if scenes is None else list(scenes)
+    problems, files, texts = ([p for p in given if isinstance(p, kind)] for kind in (_zwang.Problem, pathlib.PurePath, str))
+    if len(problems) + len(files) + len(texts) != len(given):
+        raise TypeError("scenes should be a text, a pathlib.Path, a Problem, or a list of such")
+    wanted = [] if tolerances is None else [float(t) for t in tolerances]
+    for name, value, found in (("scenes", scenes, ",".join(texts) or problems or files), ("solvers", solvers, ",".join(names)),
+                               ("tolerances", tolerances, wanted)):
+        if value is not None and not found:
+            raise ValueError(f"{name} is empty: leave it out for those of the suite")
     python = any(name.split(":")[0] in _python_solvers for name in names) or (not names and bool(_python_solvers))
     with tempfile.TemporaryDirectory() as scratch:
         folder = pathlib.Path(out) if out is not None else pathlib.Path(scratch) / "run"
-        _zwang.bench(suite, text, problems, files, ",".join(names), list(tolerances or []), repetitions, seed, law, python,
-                     folder, progress)
+        _zwang.bench(suite, ",".join(texts), problems, files, ",".join(names), wanted, repetitions, seed, law, python, folder, progress)
         with open(folder / "results.jsonl", encoding="utf-8") as lines:
             return [json.loads(line) for line in lines]

@@ -1,9 +1,11 @@
 """The Python module as its users meet it. Run by ctest with PYTHONPATH set to the built package."""
 import doctest
+import functools
 import gc
 import json
 import math
 import os
+import pathlib
 import random
 import subprocess
 import sys
@@ -67,7 +69,9 @@ class Packs(unittest.TestCase):
         for p, s in zip(self.problems, right):
             arrays |= {p.sha256 + "/status": "solved", p.sha256 + "/z": s.z * (1 + 1e-4)}
         numpy.savez(self.path("spoilt.npz"), solver="spoilt", tolerance=1e-9, **arrays)
-        rows = zwang.judge_pack(self.pack, self.path("right.jsonl"), self.path("spoilt.npz"))
+        rows = zwang.judge_pack(self.pack, self.path("right.jsonl"), self.path("spoilt.npz"), out=self.path("judged"))
+        with self.assertRaisesRegex(ValueError, "holds a run already"):
+            zwang.judge_pack(self.pack, self.path("right.jsonl"), out=self.path("judged"))
         said = sorted((r["solver"], r["problem"], r["verified"]) for r in rows)
         names = [p.name for p in self.problems]
         self.assertEqual(said, sorted([("mine", n, "solved") for n in names] + [("spoilt", n, "wrong") for n in names]))
@@ -253,6 +257,41 @@ class Solving(unittest.TestCase):
         self.assertEqual(of["forgets", "chain"]["verified"], "no answer")
         self.assertEqual(of["dies", "chain"]["verified"], "crashed")
         self.assertIn("not today", of["raises", "chain"]["message"])
+
+    def test_the_function_that_is_given_is_the_one_that_is_judged(self):
+        tower = zwang.scene("tower(boxes=2)")
+
+        def verdicts(*solvers):
+            return [(row["solver"], row["verified"]) for row in zwang.bench(tower, solvers=solvers, tolerances=[1e-6], repetitions=1)]
+
+        def mine(problem, tolerance):
+            return problem.z_u
+        wrong = mine
+
+        def mine(problem, tolerance):
+            return zwang.solve(problem).z
+        self.assertEqual(verdicts(wrong), [("mine", "wrong")])
+        self.assertEqual(verdicts(mine), [("mine", "solved")])
+        self.assertEqual(verdicts(wrong, mine), [("mine", "wrong"), ("mine-2", "solved")])
+        self.assertEqual(verdicts(lambda p, t: p.z_u, lambda p, t: zwang.solve(p).z), [("lambda", "wrong"), ("lambda-2", "solved")])
+        self.assertEqual(verdicts(functools.partial(wrong)), [("partial", "wrong")])
+        zwang.add_solver("kept", wrong)
+        zwang.add_solver("kept", mine)
+        self.assertEqual(verdicts("kept"), [("kept", "solved")])
+
+    def test_a_bench_runs_what_it_is_asked_and_into_a_new_folder(self):
+        tower, folder = zwang.scene("tower(boxes=2)"), os.path.join(self.enterContext(tempfile.TemporaryDirectory()), "run")
+        given = ["chain(links=2)", tower, pathlib.Path(folder).parent / "box.h5"]
+        zwang.save(given[2], zwang.Problem([[1.0]], [1.0], name="box"))
+        once = dict(solvers="dual_active_set", tolerances=[1e-6], repetitions=1)
+        self.assertEqual({row["problem"] for row in zwang.bench(given, **once, out=folder)}, {"chain(links=2)", tower.name, "box"})
+        with self.assertRaisesRegex(ValueError, "holds a run already: choose another"):
+            zwang.bench(tower, **once, out=folder)
+        for empty in ({"scenes": []}, {"scenes": ""}, {"solvers": []}, {"tolerances": []}):
+            with self.assertRaisesRegex(ValueError, f"{[*empty][0]} is empty"):
+                zwang.bench(**{"scenes": tower, **once, **empty})
+        with self.assertRaisesRegex(TypeError, "scenes should be"):
+            zwang.bench([tower, 3], **once)
 
     def test_who_works_for_a_function_is_charged_and_ends_with_it(self):
         busy = "import time\nend = time.thread_time() + 0.05\nwhile time.thread_time() < end: pass"
