@@ -6,7 +6,9 @@
 #include <array>
 #include <assimp/Importer.hpp>
 #include <cctype>
+#include <charconv>
 #include <cstring>
+#include <iterator>
 #include <sstream>
 
 #include <zwang/core/problem/wording.h>
@@ -140,6 +142,45 @@ void require_plain_gltf(const fs::path& file, const std::string& bytes) {
       refuse(file, "requires " + std::string(name) + ", which is not read; expected a mesh stored without it");
 }
 
+// assimp passes over a vertex that is indented, behind a byte order mark, has .5, a capital V or a colour with its
+// alpha, and the faces' numbers then mean others. So it is given vertices as it reads them and faces of vertices alone,
+// and nothing else. Refuses what is no vertex, with its line.
+std::string with_every_vertex(const fs::path& file, std::string obj) {
+  if (obj.starts_with("\xEF\xBB\xBF")) obj.erase(0, 3);
+  for (std::size_t k = 1; k < obj.size(); ++k)
+    if (obj[k - 1] == '\r' && obj[k] != '\n') obj[k - 1] = '\n';
+  std::erase(obj, '\r');
+  const auto is_number = [](const std::string& word) {
+    double value = 0;
+    const char* end = word.data() + word.size();
+    return std::from_chars(word.data() + word.starts_with('+'), end, value).ptr == end;
+  };
+  std::istringstream text(std::move(obj));
+  std::string out, line, more, first;
+  for (std::size_t number = 1; std::getline(text, line); ++number) {
+    for (; line.ends_with('\\') && std::getline(text, more); ++number) line.back() = ' ', line += more;
+    std::istringstream words(line.substr(0, line.find('#')));
+    first.clear();
+    words >> first;
+    const bool vertex = first == "v" || first == "V";
+    if (!vertex && first != "f" && first != "F" && first != "fo") continue;
+    std::vector<std::string> parts(std::istream_iterator<std::string>(words), {});
+    const std::size_t count = parts.size();
+    if (vertex && (count < 3 || count == 5 || count > 7 || !std::ranges::all_of(parts, is_number)))
+      refuse(file, "line " + std::to_string(number) + ": '" + line.substr(0, 80) +
+                       "'; expected v x y z, and a weight w or a colour r g b a");
+    if (vertex && count != 4) parts.resize(3);
+    out += vertex ? 'v' : 'f';
+    for (std::string& part : parts) {
+      if (const std::size_t dot = part.find('.'); vertex && dot == part.find_first_not_of("+-"))
+        part.insert(dot, 1, '0');
+      out += ' ' + part.substr(0, part.find('/'));
+    }
+    out += '\n';
+  }
+  return out;
+}
+
 // Meshes belong to nodes, and each node is placed relative to its parent.
 void append(const aiScene& scene, const aiNode& node, const aiMatrix4x4t<double>& to_parent, double unit, Mesh& mesh) {
   const aiMatrix4x4t<double> to_root = to_parent * aiMatrix4x4t<double>(node.mTransformation);
@@ -172,6 +213,7 @@ Mesh parse(const StoredFile& stored, const std::string& kind, const std::string&
   if (kind == ".glb" || kind == ".gltf") require_plain_gltf(file, bytes);
   const std::string sound = kind == ".stl"   ? in_small_letters(file, bytes)
                             : kind == ".ply" ? with_first_byte_read(bytes)
+                            : kind == ".obj" ? with_every_vertex(file, bytes)
                                              : std::string();
   const std::string& read = sound.empty() ? bytes : sound;
   Assimp::Importer importer;

@@ -95,6 +95,26 @@ TEST_F(MeshFiles, TextStlMayBeInCapitals) {
   EXPECT_EQ(read_mesh(file).report.high, Vec3(1.5, 1, 0));
 }
 
+// assimp passes over such vertices, and the faces' numbers then mean others.
+TEST_F(MeshFiles, EveryVertexOfAnObjIsReadOrRefused) {
+  const std::string head = "v 0 0 0\nv 2 0 0\n", rest = "v 0 1 0\nv 0 9 0\nf 1 2 4\n";
+  for (const std::string third :
+       {"v 1 .5 0", "v -.1 +.5 0.", "  v 1 .5 0", "\tv\t1 .5 0 ", "V 1 .5 0", "v 1 .5 0 2", "v 1 .5 0 1 0 0",
+        "v 1 .5 0 1 0 0 1", "v 1 .5 0 # 12", "v 1 \\\n.5 0", "v 1 .5 0\r", "v 1 .5 0\r\r", "vt .1 .2\nv 1 .5 0"})
+    EXPECT_EQ(read_mesh(write("third.obj", head + third + "\n" + rest)).report.high, Vec3(2, 1, 0)) << third;
+  for (const std::string face : {"  f 1 2 4", "F 1 2 4", "f 1/7 2/8/9 4//9 # 5", "f -5 -4 -2", "fo 1 2 4"})
+    EXPECT_EQ(read_mesh(write("face.obj", head + "v 1 .5 0\nv 0 1 0\nv 0 9 0\n" + face)).report.high, Vec3(2, 1, 0))
+        << face;
+  std::string old = head + "v 1 .5 0\n" + rest;
+  std::ranges::replace(old, '\n', '\r');
+  EXPECT_EQ(read_mesh(write("old.obj", "\xEF\xBB\xBF" + old)).report.high, Vec3(2, 1, 0));
+  for (const std::string third : {"v 1 .5", "v 1 .5 0 1 0", "v 1 .5 0 1 0 0 1 1", "v 1 .5 x", "v", "v 1,5 .5 0"})
+    EXPECT_NE(
+        complaint(write("third.obj", head + third + "\n" + rest)).find("line 3: '" + third + "'; expected v x y z"),
+        std::string::npos)
+        << third;
+}
+
 TEST_F(MeshFiles, AnStlOfTheWrongSizeSaysWhichIsRight) {
   const std::string whole = binary_stl({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}, {0, 2, 1}}});
   EXPECT_NE(complaint(write("cut.stl", whole.substr(0, 100)))
@@ -282,6 +302,10 @@ TEST_F(MeshFiles, CacheAnswersTheSecondTimeWithTheSameTree) {
   EXPECT_EQ(first.tree.to_bytes(), second.tree.to_bytes());
   EXPECT_EQ(to_string(first.report), to_string(second.report));
   EXPECT_FALSE(load_tree(file, {.unit = 1, .cache = folder / "cache"}).cached) << "another unit is another tree";
+  for (const char* name : {"sphere.ply", "sphere.stl.gz"}) {
+    fs::copy_file(file, folder / name);
+    EXPECT_THROW(load_tree(folder / name, options), BadFile) << name << " is no such file, whoever read it as another";
+  }
   for (const auto& entry : fs::directory_iterator(folder / "cache")) fs::resize_file(entry.path(), 1000);
   const LoadedTree third = load_tree(file, options);
   EXPECT_FALSE(third.cached);
