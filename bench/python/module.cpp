@@ -183,7 +183,8 @@ struct Solved {
 
 Solved solve(const Instance& instance, const std::string& asked, double tolerance, const std::string& accuracy,
              int max_iterations, double time_limit, const std::optional<Vector>& warm, bool keep_python) {
-  const std::string text(asked == "auto" ? usual_solver(instance.problem) : std::string_view(asked));
+  std::string text = asked;
+  if (text.substr(0, text.find(':')) == "auto") text.replace(0, 4, usual_solver(instance.problem));
   thread_local std::string known;
   if (text != known) make_solver(text);  // a wrong name or setting is said before anything runs
   known = text;

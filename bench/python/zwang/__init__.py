@@ -55,6 +55,25 @@ def _numbers(value, name, size=None):
     return array
 
 
+def _number(value, name):
+    try:
+        return float(value)
+    except (TypeError, ValueError, OverflowError):
+        raise ValueError(f"{name} should be a number: {value!r:.80}") from None
+
+
+def _whole(value, name, most=2**31 - 1):
+    if not 0 <= _number(value, name) <= most or int(value) != value:
+        raise ValueError(f"{name} should be a whole number from 0 to {most}: {value!r:.80}")
+    return int(value)
+
+
+def _problem(problem):
+    if not isinstance(problem, _zwang.Problem):
+        raise TypeError(f"problem should be a zwang.Problem, as scene() and load() make them: {problem!r:.80}")
+    return problem
+
+
 def _check_indices(matrix):
     """That indices lie inside the matrix: scipy's own conversions write wherever they point."""
     if hasattr(matrix, "check_format"):
@@ -93,6 +112,21 @@ def _matrix(matrix, name, columns, by_rows):
     if matrix.nnz >= 2**31 or max(matrix.shape) >= 2**31:
         raise ValueError(f"{name} is too large: expected fewer than 2^31 entries")
     return matrix
+
+
+def _program(P, q, G, h, A, b, lb, ub):
+    """A quadratic program's arrays, or one line that names the one with an entry no program has."""
+    q = _numbers(q, "q")
+    n = len(q)
+    parts = (_matrix(P, "P", n, False), q, _matrix(G, "G", n, True), _numbers(h, "h", 1), _matrix(A, "A", n, True),
+             _numbers(b, "b", 1), _numbers(lb, "lb", n), _numbers(ub, "ub", n))
+    for name, part in zip(("P", "q", "G", "h", "A", "b", "lb", "ub"), parts):
+        entries = part.data if scipy.sparse.issparse(part) else part
+        bad = ~(numpy.isfinite(entries) | (entries == {"lb": -numpy.inf, "ub": numpy.inf, "h": numpy.inf}.get(name, 0)))
+        if bad.any():
+            place = "" if scipy.sparse.issparse(part) else f"({numpy.flatnonzero(bad)[0]})"
+            raise ValueError(f"{name}{place} is {entries[bad][0]}; expected a number")
+    return parts
 
 
 class Problem(_zwang.Problem):
@@ -152,11 +186,13 @@ def scenes():
 def scene(text, seed=1, mu=None, **knobs):
     """The problem of a scene: "hand(contacts=16)", or "hand", contacts=16. A list where the text names several:
     "hand(contacts=16,64)". mu: the coefficient of friction of the scenes whose text does not say one."""
+    if not isinstance(text, str):
+        raise TypeError(f"a scene should be a text: {text!r:.80}")
     if knobs:
         if "(" in text:
             raise ValueError(f"{text}: expected knobs in the text or beside it, not both")
         text += "(" + ",".join(f"{name}={_setting(value)}" for name, value in knobs.items()) + ")"
-    problems = _zwang.make_scenes(text, seed, mu)
+    problems = _zwang.make_scenes(text, _whole(seed, "seed", 2**64 - 1), None if mu is None else _number(mu, "mu"))
     return problems[0] if len(problems) == 1 else problems
 
 
@@ -178,7 +214,8 @@ def solvers():
 
 
 def _setting(value):
-    return {True: "on", False: "off"}.get(value, value) if isinstance(value, bool) else repr(value)
+    value = value.item() if isinstance(value, numpy.generic) else value
+    return ("on" if value else "off") if isinstance(value, bool) else value if isinstance(value, str) else repr(value)
 
 
 def _share(tolerance):
@@ -199,16 +236,14 @@ def solve(problem, solver="auto", *, tolerance=1e-10, accuracy=None, max_iterati
     """
     if not isinstance(solver, str):
         raise TypeError(f"solver should be a name: {solver!r}")
-    if not isinstance(problem, _zwang.Problem):
-        raise TypeError(f"problem should be a zwang.Problem, as scene() and load() make them: {problem!r:.80}")
+    if not _number(time_limit, "time_limit") > 0:
+        raise ValueError(f"time_limit should be above 0 s: {time_limit!r}")
     text = solver + (":" + ",".join(f"{k}={_setting(v)}" for k, v in settings.items()) if settings else "")
-    problem = problem if law is None else problem.under(law)
+    problem = _problem(problem) if law is None else _problem(problem).under(law)
     warm = None if warm_start is None else _numbers(warm_start, "warm_start")
-    if int(max_iterations) < 0:
-        raise ValueError(f"max_iterations should be 0 or more: {max_iterations!r}")
     accuracy = "" if accuracy is None else accuracy if isinstance(accuracy, str) else repr(float(accuracy))
-    return _zwang.solve(problem, text, float(tolerance), accuracy, int(max_iterations), float(time_limit), warm,
-                        solver.split(":")[0] in _python_solvers)
+    return _zwang.solve(problem, text, _number(tolerance, "tolerance"), accuracy, _whole(max_iterations, "max_iterations"),
+                        float(time_limit), warm, solver.split(":")[0] in _python_solvers)
 
 
 def judge(problem, z, lambda_=None, *, tolerance=1e-9):
@@ -218,7 +253,7 @@ def judge(problem, z, lambda_=None, *, tolerance=1e-9):
     solve() returned, whose forces are then judged, too."""
     if isinstance(z, _zwang.Solution):
         z, lambda_ = z.z, z.lambda_ if lambda_ is None else lambda_
-    return _zwang.judge(problem, _numbers(z, "z"), _numbers(lambda_, "lambda_"), _share(tolerance))
+    return _zwang.judge(_problem(problem), _numbers(z, "z"), _numbers(lambda_, "lambda_"), _share(tolerance))
 
 
 def judge_qp(P, q, G=None, h=None, A=None, b=None, lb=None, ub=None, *, x, y=None, z=None, z_box=None,
@@ -233,18 +268,14 @@ def judge_qp(P, q, G=None, h=None, A=None, b=None, lb=None, ub=None, *, x, y=Non
     s / |x*|_P they are relative to the answer alone. Where P is singular a ConvexJudgement (docs/python.md) bounds
     |x - x*|_P and the least objective, and says whether x* is unique and whether the program has a solution.
     """
-    q = _numbers(q, "q")
-    n = len(q)
-    P, G, A = _matrix(P, "P", n, False), _matrix(G, "G", n, True), _matrix(A, "A", n, True)
-    h, b, lb, ub, x = (_numbers(v, name, size) for v, name, size in
-                       ((h, "h", 1), (b, "b", 1), (lb, "lb", n), (ub, "ub", n), (x, "x", None)))
+    parts, x = _program(P, q, G, h, A, b, lb, ub), _numbers(x, "x")
     try:
-        program = _zwang.Program(P, q, G, h, A, b, lb, ub)
-        return _zwang.judge_qp(program, x, _numbers(y, "y", 1), _numbers(z, "z", 1), _numbers(z_box, "z_box", n), _share(tolerance))
+        return _zwang.judge_qp(_zwang.Program(*parts), x, _numbers(y, "y", 1), _numbers(z, "z", 1),
+                               _numbers(z_box, "z_box", len(parts[1])), _share(tolerance))
     except _zwang.NotDefinite:
         pass
     from . import semidefinite
-    return semidefinite.judge(P, q, G, h, A, b, lb, ub, x, _share(tolerance))
+    return semidefinite.judge(*parts, x, _share(tolerance))
 
 
 def gradient_of(problem, solution, *, law=None, proof=True):
@@ -382,6 +413,7 @@ def bench(scenes=None, *, suite="quick", solvers=None, tolerances=None, repetiti
     python = any(name.split(":")[0] in _python_solvers for name in names) or (not names and bool(_python_solvers))
     with tempfile.TemporaryDirectory() as scratch:
         folder = pathlib.Path(out) if out is not None else pathlib.Path(scratch) / "run"
-        _zwang.bench(suite, ",".join(texts), problems, files, ",".join(names), wanted, repetitions, seed, law, python, folder, progress)
+        _zwang.bench(str(suite), ",".join(texts), problems, files, ",".join(names), wanted, _whole(repetitions, "repetitions"),
+                     _whole(seed, "seed", 2**64 - 1), None if law is None else str(law), python, folder, bool(progress))
         with open(folder / "results.jsonl", encoding="utf-8") as lines:
             return [json.loads(line) for line in lines]

@@ -1,6 +1,7 @@
 """Answers to a pack of problems (docs/packs.md): written, and judged."""
 import json
 import pathlib
+import re
 import tempfile
 
 import numpy
@@ -21,9 +22,17 @@ def write_answers(file, answers, *, solver, **header):
     answers: dicts with sha256, status, z and what else there is (lambda, certificate, iterations, seconds, residual);
     vectors may be lists or NumPy arrays. header: version, settings, machine, tolerance.
     """
-    with open(file, "w", encoding="utf-8") as out:
-        for line in [{"zwang_answers": 1, "solver": solver, **header}, *answers]:
-            print(json.dumps({key: _plain(value) for key, value in line.items()}), file=out)
+    if not re.fullmatch(r"[\w.+-]+", solver, re.ASCII):
+        raise ValueError(f"solver should have letters, digits and _ - + . alone: {solver!r}")
+    lines = []
+    for line in [{"zwang_answers": 1, "solver": solver, **header}, *answers]:
+        for key, value in line.items():
+            try:
+                json.dumps(_plain(value), allow_nan=False)
+            except ValueError:
+                raise ValueError(f"{key} of {line.get('sha256', 'the head')} is not finite, which JSON does not have") from None
+        lines.append(json.dumps({key: _plain(value) for key, value in line.items()}))
+    pathlib.Path(file).write_text("".join(line + "\n" for line in lines), encoding="utf-8")
 
 
 def judge_pack(pack, *answers, out=None):

@@ -37,6 +37,8 @@ def change(problem, body, pose, velocity, mass, mu):
 
 
 def gradient(problem, bars):
+    if missing := [name for name in ("M", "z_u", "J", "c", "mu") if name not in bars]:
+        raise ValueError(f"bars has no {missing[0]!r}: expected the whole of what vjp(z_bar) returns, without wrt=")
     if any(bars[name] is None for name in ("M", "z_u", "J", "c", "mu")):
         raise ValueError("no gradient: forces are not unique, and J and c have none")
 

@@ -81,6 +81,13 @@ class Packs(unittest.TestCase):
                 judged = zwang.judge(problem, right[names.index(row["problem"])].z, tolerance=1e-9)
                 self.assertLessEqual(row["z_error"], judged.at_most)
 
+    def test_answers_that_nobody_would_read_are_not_written(self):
+        p = self.problems[0]
+        for solver, z, says in (("my solver", p.z_u, "solver should have letters"), ("mine", p.z_u * math.nan, f"z of {p.sha256} is not finite")):
+            with self.assertRaisesRegex(ValueError, says):
+                zwang.write_answers(self.path("no.jsonl"), [{"sha256": p.sha256, "status": "solved", "z": z}], solver=solver)
+        self.assertFalse(os.path.exists(self.path("no.jsonl")))
+
     def test_damaged_answers_are_refused_with_one_line(self):
         p = self.problems[0]
         with open(self.path("text.npz"), "w", encoding="utf-8") as out:
@@ -188,6 +195,17 @@ class Solving(unittest.TestCase):
         with self.assertRaisesRegex(ValueError, "not both"):
             zwang.scene("hand(contacts=8)", hands=2)
 
+    def test_settings_and_knobs_are_text_numbers_or_yes_and_no(self):
+        block, box = zwang.scene("incline(slope=0.5)", mu=0.25), zwang.scene("tower(boxes=1)")
+        self.assertEqual(zwang.solve(block, "fixed_point", inner="cone").status, "solved")
+        for no in ("off", False, numpy.bool_(False)):
+            self.assertEqual(zwang.solve(box, "newton", polish=no).status, "solved")
+        self.assertEqual(zwang.solve(box, "pgs", max_sweeps=numpy.int64(5)).status, "iteration limit")
+        self.assertEqual([p.name for p in zwang.scene("tower", boxes="1..3")], [f"tower(boxes={k})" for k in (1, 2, 3)])
+        self.assertEqual(zwang.solve(box, reduce=False).status, "solved")
+        with self.assertRaisesRegex(ValueError, "solver 'dual_active_set'.*'no_such'"):
+            zwang.solve(box, no_such=1)
+
     def test_the_usual_solver_is_the_default(self):
         for text, mu in [("hand(contacts=4)", None), ("hand(contacts=4)", 0.5)]:
             problem = zwang.scene(text, mu=mu)
@@ -202,10 +220,17 @@ class Solving(unittest.TestCase):
     def test_a_wrong_name_or_setting_is_one_line(self):
         problem = zwang.scene("tower(boxes=2)")
         for wrong in [dict(max_iterations=-1), dict(solver="nnlss"), dict(solver="nnls", no_such=1), dict(solver="pgs", max_sweeps="many"),
-                      dict(tolerance=2.0), dict(warm_start=[1.0])]:
+                      dict(tolerance=2.0), dict(warm_start=[1.0]), dict(max_iterations=10**10), dict(max_iterations=1.5),
+                      dict(max_iterations="many"), dict(time_limit=-1), dict(time_limit=math.nan), dict(time_limit="x"), dict(tolerance=[])]:
             with self.assertRaises(ValueError) as raised:
                 zwang.solve(problem, **wrong)
             self.assertEqual(len(str(raised.exception).splitlines()), 1)
+        for wrong in [dict(seed=-1), dict(seed=2**64), dict(seed=0.5), dict(mu="a"), dict(mu=-1), dict(text=3)]:
+            with self.assertRaises((ValueError, TypeError)) as raised:
+                zwang.scene(**{"text": "hand(contacts=4)", **wrong})
+            self.assertEqual(len(str(raised.exception).splitlines()), 1, raised.exception)
+        with self.assertRaisesRegex(TypeError, "^problem should be a zwang.Problem.*$"):
+            zwang.judge("hand", [0])
 
     def test_an_accuracy_is_promised_and_kept(self):
         hand = zwang.scene("hand(contacts=8)")
@@ -359,6 +384,10 @@ class Judging(unittest.TestCase):
         for name in ("h", "b", "q", "x"):
             with self.assertRaises(ValueError):
                 zwang.judge_qp(**{**program, "x": program["q"], name: numpy.zeros(5)})
+        for name in ("P", "q", "G", "h", "A", "b", "lb", "ub"):
+            spoilt = {**program, name: numpy.full_like(program[name], math.nan)}
+            with self.assertRaisesRegex(ValueError, rf"^{name}(\(0\))? is nan; expected a number$"):
+                zwang.judge_qp(**spoilt, x=program["q"])
         impossible = zwang.judge_qp(numpy.eye(1), [0], G=[[1], [-1]], h=[-1, -1], x=[0])
         self.assertEqual(impossible.verdict, "wrong")
 

@@ -116,6 +116,7 @@ class SceneChanges(unittest.TestCase):
                            ("6 finite", lambda: zwang.scene_change(box, 1, pose=[1, 2])),
                            ("finite", lambda: zwang.scene_change(box, 1, mass=numpy.nan)),
                            ("six numbers", lambda: zwang.scene_change(box, 1, pose="x")),
+                           ("bars has no .M.", lambda: zwang.scene_gradient(box, {"z_u": numpy.zeros(6), "c": numpy.zeros(4)})),
                            ("not unique", lambda: zwang.scene_gradient(box, zwang.gradient_of(box, zwang.solve(box)).vjp(numpy.ones(6))))]:
             with self.subTest(word):
                 with self.assertRaisesRegex(ValueError, word) as caught:
