@@ -368,7 +368,8 @@ PYBIND11_MODULE(_zwang, m) {
       .def(py::init<SparseMatrix, Vector, RowMatrix, Vector, RowMatrix, Vector, Vector, Vector>());
   m.def("from_qp", [](const QuadraticProgram& program) {
     AsLeastConstraint form = as_least_constraint(program);
-    form.instance.notes.push_back("z_u = -P^-1 q is rounded: |z_u + P^-1 q|_P <= " + std::to_string(form.rounding));
+    // Printed upwards: a bound.
+    form.instance.notes.push_back(printed("z_u = -P^-1 q is rounded: |z_u + P^-1 q|_P <= %.3g", 1.01 * form.rounding));
     return form.instance;
   });
   m.def(

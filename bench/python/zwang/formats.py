@@ -35,8 +35,7 @@ def load(file):
                 if not path.exists():
                     raise BadFile(f"{path}: there is no such file")
                 return read(path)
-    except (OSError, ValueError, TypeError, KeyError, IndexError, OverflowError, NotImplementedError, EOFError,
-            MemoryError, AttributeError, scipy.io.matlab.MatReadError) as bad:
+    except Exception as bad:  # readers of damaged files raise whatever they come upon
         text = str(bad).splitlines()[0] if str(bad) else type(bad).__name__
         raise BadFile(text if text.startswith(str(path)) else f"{path}: {text}") from None
     return _zwang.load(path)
@@ -48,12 +47,7 @@ def _named(problem, path, family):
 
 
 def _program(path, family, P, q, G=None, h=None, A=None, b=None, lb=None, ub=None):
-    q = zwang._numbers(q, "q")
-    n = len(q)
-    program = _zwang.Program(zwang._matrix(P, "P", n, False), q, zwang._matrix(G, "G", n, True),
-                             zwang._numbers(h, "h", 1), zwang._matrix(A, "A", n, True), zwang._numbers(b, "b", 1),
-                             zwang._numbers(lb, "lb", n), zwang._numbers(ub, "ub", n))
-    return _named(_zwang.from_qp(program), path, family)
+    return _named(_zwang.from_qp(_zwang.Program(*zwang._program(P, q, G, h, A, b, lb, ub))), path, family)
 
 
 def _two_sided(P, q, A, l, u, infinite=1e20):
@@ -63,6 +57,9 @@ def _two_sided(P, q, A, l, u, infinite=1e20):
     n = len(q)
     if A.shape != (len(l), n) or len(u) != len(l):
         raise ValueError(f"A is {A.shape[0]} x {A.shape[1]}; expected {len(l)} x {n}")
+    if not ((l < infinite) & (u > -infinite)).all():
+        row = numpy.flatnonzero(~((l < infinite) & (u > -infinite)))[0]
+        raise ValueError(f"row {row} is {l[row]} <= A x <= {u[row]}; expected bounds that a number can keep")
     l, u = numpy.where(l <= -infinite, -numpy.inf, l), numpy.where(u >= infinite, numpy.inf, u)
     lb = ub = None
     if len(l) >= n and (A[len(l) - n:] != scipy.sparse.identity(n)).nnz == 0:
@@ -89,11 +86,15 @@ def _npz(path):
         for name in ("P", "q", "G", "h", "A", "b", "lb", "ub"):
             if name not in parts.files:
                 continue
-            try:
-                value = parts[name]
-            except ValueError:  # a pickled None: the part is absent
+            with parts.zip.open(name + ".npy") as raw:
+                version = numpy.lib.format.read_magic(raw)
+                head = numpy.lib.format.read_array_header_1_0 if version == (1, 0) else numpy.lib.format.read_array_header_2_0
+                shape, _, kind = head(raw)
+            if kind.hasobject and shape == ():  # a pickled None: the part is absent
                 continue
-            given[name] = value if value.ndim > 0 else None
+            if kind.hasobject:
+                raise ValueError(f"{name} holds objects; expected numbers")
+            given[name] = parts[name]
     for name in ("P", "q"):
         if given.get(name) is None:
             raise ValueError(f"has no array {name}; expected P and q")
@@ -118,12 +119,17 @@ def _of_test_set(path, parts):
 
 
 def _qps(path):
-    """QPS, fixed or free: sections by their names, the objective's constant with its minus sign, one triangle."""
+    """QPS, fixed or free: sections by their names, the objective's constant with its minus sign, one triangle. OBJSENSE MAX turns
+    the objective's sign."""
+    def real(word):
+        if numpy.isnan(float(word)):
+            raise ValueError("not a number")
+        return float(word)
     opened = gzip.open(path, "rt") if path.name.endswith(".gz") else open(path, encoding="ascii", errors="replace")
     with opened as lines:
         section, kinds, rows, columns = "", {}, {}, {}
         entries, objective, right, ranges, quadratic = [], {}, {}, {}, []
-        lower, upper, goal = {}, {}, None
+        lower, upper, goal, sign = {}, {}, None, 1
         for number, line in enumerate(lines, 1):
             if not line.strip() or line[0] == "*":
                 continue
@@ -133,8 +139,14 @@ def _qps(path):
                     section = words[0].upper()
                     if section == "ENDATA":
                         break
-                    continue
-                if section == "ROWS":
+                    if section not in _sections:
+                        raise ValueError("no such section is known here")
+                    words = words[1:] if section == "OBJSENSE" else []
+                    if not words:
+                        continue
+                if section == "OBJSENSE":
+                    sign = {"MAX": -1, "MIN": 1}[words[0].upper()[:3]]
+                elif section == "ROWS":
                     kind, row = words[0].upper(), words[1]
                     if kind == "N" and goal is None:
                         goal = row
@@ -148,7 +160,7 @@ def _qps(path):
                         if "'MARKER'" in words:
                             raise ValueError("integer columns are not convex")
                         columns.setdefault(column, len(columns))
-                    for row, value in zip(pairs[::2], map(float, pairs[1::2])):
+                    for row, value in zip(pairs[::2], map(real, pairs[1::2])):
                         if row not in kinds:
                             raise ValueError(f"no row '{row}'")
                         if section == "COLUMNS" and row == goal:
@@ -158,13 +170,13 @@ def _qps(path):
                         elif row in rows:
                             (right if section == "RHS" else ranges)[row] = value
                 elif section in ("QUADOBJ", "QMATRIX", "QSECTION"):
-                    a, b, value = columns[words[0]], columns[words[1]], float(words[2])
+                    a, b, value = columns[words[0]], columns[words[1]], real(words[2])
                     quadratic.append((a, b, value))
                     if section != "QMATRIX" and a != b:
                         quadratic.append((b, a, value))
                 elif section == "BOUNDS":
                     kind = words[0].upper()
-                    value = None if kind in ("FR", "MI", "PL") else float(words[-1])
+                    value = None if kind in ("FR", "MI", "PL") else real(words[-1])
                     column = columns[words[-1] if value is None else words[-2]]
                     if kind in ("LO", "FX"):
                         lower[column] = value
@@ -176,9 +188,13 @@ def _qps(path):
                         lower[column] = -numpy.inf
                     if kind not in ("LO", "UP", "FX", "FR", "MI", "PL"):
                         raise ValueError(f"no bound '{kind}' is known here")
+                else:
+                    raise ValueError("expected a section that has such lines")
             except (IndexError, KeyError, ValueError) as bad:
                 raise ValueError(f"line {number}: {section or 'no section'}: cannot read "
                                  f"'{line.strip()}' ({bad})") from None
+        else:
+            raise ValueError("cut: no ENDATA at its end")
     n, m = len(columns), len(rows)
     if n == 0:
         raise ValueError("has no columns; expected a QPS file")
@@ -204,7 +220,7 @@ def _qps(path):
                 l[i], u[i] = (b, b + width) if width >= 0 else (b + width, b)
     lb = numpy.array([lower.get(j, 0.0) for j in range(n)])
     ub = numpy.array([upper.get(j, numpy.inf) for j in range(n)])
-    parts = _two_sided(P, q, scipy.sparse.vstack([A, scipy.sparse.identity(n)]), numpy.r_[l, lb], numpy.r_[u, ub])
+    parts = _two_sided(sign * P, sign * q, scipy.sparse.vstack([A, scipy.sparse.identity(n)]), numpy.r_[l, lb], numpy.r_[u, ub])
     return _program(path, "qps", **parts)
 
 
@@ -213,7 +229,10 @@ def _matrix_market(folder):
         file = folder / f"{name}.mtx"
         if not file.exists() and not needed:
             return None
-        return scipy.io.mmread(file)
+        try:
+            return scipy.io.mmread(file)
+        except Exception as bad:
+            raise ValueError(f"{file}: not of Matrix Market's format ({bad})") from None
     z_u, c, mask = read("z_u"), read("c", False), read("equality", False)
     dense = (lambda v: None if v is None else numpy.asarray(v.toarray() if scipy.sparse.issparse(v) else v).reshape(-1))
     problem = zwang.Problem(read("M"), dense(z_u), read("J", False), dense(c),
@@ -221,4 +240,5 @@ def _matrix_market(folder):
     return problem
 
 
+_sections = ("NAME", "OBJSENSE", "ROWS", "COLUMNS", "RHS", "RANGES", "BOUNDS", "QUADOBJ", "QMATRIX", "QSECTION")
 _readers = {".mat": _mat, ".npz": _npz, ".qps": _qps, ".qps.gz": _qps}

@@ -9,6 +9,7 @@ import subprocess
 import sys
 import tempfile
 import unittest
+from fractions import Fraction
 
 import numpy
 import scipy.sparse
@@ -131,6 +132,59 @@ class Fclib(unittest.TestCase):
     def test_a_negative_mu_is_one_line(self):
         with self.assertRaisesRegex(ValueError, "mu is negative"):
             zwang.formats.save_fclib(self.file, self.problem, mu=-1)
+
+
+class Programs(unittest.TestCase):
+    """QPS, .npz and Matrix Market: what a file says is read or refused, and nothing is left out."""
+    QPS = ("NAME T\nROWS\n N obj\n G r1\nCOLUMNS\n x obj -2 r1 1\n y obj -8 r1 1\nRHS\n RHS r1 1\nQUADOBJ\n x x 2\n y y 4\n"
+           "BOUNDS\n LO BND x 1\n LO BND y 75\nENDATA\n")
+
+    def setUp(self):
+        self.folder = pathlib.Path(self.enterContext(tempfile.TemporaryDirectory()))
+
+    def of_qps(self, text):
+        (self.folder / "t.qps").write_text(text)
+        return zwang.load(self.folder / "t.qps")[0]
+
+    def refused(self, file, says):
+        with self.assertRaisesRegex(zwang.BadFile, says) as refused:
+            zwang.load(file)
+        self.assertTrue(str(refused.exception).startswith(str(file)) and "\n" not in str(refused.exception), refused.exception)
+
+    def test_what_a_qps_says_is_read_or_refused(self):
+        problem = self.of_qps(self.QPS)
+        self.assertEqual(((-problem.M @ problem.z_u).tolist(), problem.c.tolist()), ([-2, -8], [1, 1, 75]))
+        turned = self.QPS.replace("obj -", "obj ").replace("x x 2", "x x -2").replace("y y 4", "y y -4")
+        for sense in ("OBJSENSE\n    MAX\n", "OBJSENSE MAXIMIZE\n"):
+            self.assertEqual(self.of_qps(turned.replace("ROWS", sense + "ROWS", 1)).sha256, problem.sha256)
+        for old, new, says in (("ENDATA", "QCMATRIX r1\n x x 1\nENDATA", "line 16: QCMATRIX"), ("BOUNDS", "BOUND", "line 13: BOUND"),
+                               ("5\nENDATA\n", "", "no ENDATA"), (" LO BND y 75\nENDATA\n", "", "no ENDATA"),
+                               ("RHS r1 1", "RHS r1 nan", "line 9"), ("RHS r1 1", "RHS r1 inf", "row 0 is inf"),
+                               ("BND y 75", "BND y nan", "line 15"), ("ROWS", "OBJSENSE\n odd\nROWS", "line 3"), ("NAME T", "NAME T\n x", "line 2")):
+            (self.folder / "bad.qps").write_text(self.QPS.replace(old, new, 1))
+            self.refused(self.folder / "bad.qps", says)
+
+    def test_no_part_of_an_npz_is_left_out(self):
+        file, program = self.folder / "t.npz", {"P": numpy.diag([2.0, 4]), "q": numpy.array([-2.0, -8])}
+        for lb, c in ((numpy.array(5.0), [5, 5]), (numpy.array(None), []), (numpy.array([5.0, -numpy.inf]), [5])):
+            numpy.savez(file, **program, lb=lb)
+            self.assertEqual(zwang.load(file)[0].c.tolist(), c)
+        for bad, says in (({"lb": numpy.array([5, None])}, "lb holds objects"), ({"h": [numpy.nan], "G": [[1, 1]]}, r"h\(0\) is nan")):
+            numpy.savez(file, **program, **bad)
+            self.refused(file, says)
+        whole = file.read_bytes()
+        for part in (0.1, 0.5, 0.9):
+            file.write_bytes(whole[:int(part * len(whole))])
+            self.refused(file, "")
+        numpy.savez(file, P=[[3e-20]], q=[1.0])
+        (note,) = zwang.load(file)[0].notes
+        off = Fraction(float(zwang.load(file)[0].z_u[0])) + 1 / Fraction(3e-20)
+        self.assertTrue(0 < off**2 * Fraction(3e-20) <= Fraction(note.rsplit(" ", 1)[1])**2, note)
+
+    def test_a_matrix_market_file_is_named(self):
+        zwang.formats.save_matrix_market(self.folder / "box", zwang.scene("tower(boxes=1)"))
+        (self.folder / "box" / "c.mtx").write_text("%%MatrixMarket matrix array\n")
+        self.refused(self.folder / "box", "c.mtx: not of Matrix Market's format")
 
 
 class TestSet(unittest.TestCase):
