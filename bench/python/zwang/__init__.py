@@ -241,6 +241,8 @@ def solve(problem, solver="auto", *, tolerance=1e-10, accuracy=None, max_iterati
     text = solver + (":" + ",".join(f"{k}={_setting(v)}" for k, v in settings.items()) if settings else "")
     problem = _problem(problem) if law is None else _problem(problem).under(law)
     warm = None if warm_start is None else _numbers(warm_start, "warm_start")
+    if accuracy == "":
+        raise ValueError("accuracy: expected a value, and it is empty")
     accuracy = "" if accuracy is None else accuracy if isinstance(accuracy, str) else repr(float(accuracy))
     return _zwang.solve(problem, text, _number(tolerance, "tolerance"), accuracy, _whole(max_iterations, "max_iterations"),
                         float(time_limit), warm, solver.split(":")[0] in _python_solvers)

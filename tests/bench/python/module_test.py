@@ -221,7 +221,8 @@ class Solving(unittest.TestCase):
         problem = zwang.scene("tower(boxes=2)")
         for wrong in [dict(max_iterations=-1), dict(solver="nnlss"), dict(solver="nnls", no_such=1), dict(solver="pgs", max_sweeps="many"),
                       dict(tolerance=2.0), dict(warm_start=[1.0]), dict(max_iterations=10**10), dict(max_iterations=1.5),
-                      dict(max_iterations="many"), dict(time_limit=-1), dict(time_limit=math.nan), dict(time_limit="x"), dict(tolerance=[])]:
+                      dict(max_iterations="many"), dict(time_limit=-1), dict(time_limit=math.nan), dict(time_limit="x"), dict(tolerance=[]),
+                      dict(accuracy="")]:
             with self.assertRaises(ValueError) as raised:
                 zwang.solve(problem, **wrong)
             self.assertEqual(len(str(raised.exception).splitlines()), 1)
