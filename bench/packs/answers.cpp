@@ -29,6 +29,7 @@ constexpr int format = 1;
 std::string plain(const std::exception& wrong) {
   std::string line = one_line(wrong.what());
   if (line.starts_with("[json")) line = line.substr(line.find("] ") + 2);
+  if (const std::string only = "parse error at line 1, "; line.starts_with(only)) line = line.substr(only.size());
   std::ranges::replace_if(line, [](char ch) { return static_cast<unsigned char>(ch) > 126; }, '?');
   return line;
 }

@@ -150,9 +150,6 @@ int bench_command(std::vector<std::string> words, CollisionSuite collision) {
   if (!words.empty() && std::ranges::find(suites(), words[0], &Suite::name) != suites().end())
     throw std::invalid_argument("'" + words[0] + "' is a suite: ./zwang bench --suite " + words[0]);
   if (!read(options, std::move(words))) return done;
-  for (const CLI::Option* option : options.get_options())
-    if (std::ranges::find(option->results(), "") != option->results().end())
-      throw std::invalid_argument(option->get_name() + ": expected a value, and it is empty");
   if (!asked.missing.empty()) {
     asked.missing.insert(asked.missing.begin(), "--missing");
     return merge_command(asked.missing);

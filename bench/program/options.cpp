@@ -83,6 +83,9 @@ bool read(CLI::App& app, std::vector<std::string> words) {
     std::replace(line.begin(), line.end(), '\n', ' ');
     throw std::invalid_argument(line + " (" + app.get_name() + " --help)");
   }
+  for (const CLI::Option* option : app.get_options())
+    if (std::ranges::find(option->results(), "") != option->results().end())
+      throw std::invalid_argument(option->get_name() + ": expected a value, and it is empty");
   return true;
 }
 

@@ -135,11 +135,11 @@ int judge_command(std::vector<std::string> words) {
     print_missing(contestants.back(), pack);
     if (!names.empty()) contestants.back().solver = names[contestants.size() - 1];
   }
-  SuiteSettings settings{.directory = new_directory(out, "./zwang judge"),
+  SuiteSettings settings{.directory = new_directory(out, ""),
                          .cache = reference_cache(),
                          .command = command,
                          .terminal = isatty(STDERR_FILENO) == 1};
-  if (!proofs.empty()) print_proofs(pack, contestants, new_directory(proofs, "--proofs"));
+  if (!proofs.empty()) print_proofs(pack, contestants, new_directory(proofs, ""));
   const Outcome outcome = judge_pack(pack, std::move(contestants), settings, stop_on_interrupt());
   if (outcome.interrupted) {
     std::puts("Stopped: no report.");

@@ -111,7 +111,7 @@ class Result:
         self.worst_by_type = [(text_of(worst.get("type")), number_of(worst.get("violation")), number_of(worst.get("relative")),
                                text_of(worst.get("unit")), text_of(worst.get("row"))) for worst in get("worst_by_type") or ()]
         self.replay = ""  # the command that repeats the run
-        self.family = self.family or self.problem
+        self.family = self.family or self.problem or "unnamed"  # "" is all of them
         # Coulomb's law may have several solutions, and the reference is one of them: what counts is the distance to the
         # nearest one that is proven, where the referee's verdict rests on it.
         if self.law == "coulomb" and (math.isfinite(self.z_bound) or self.verified != "wrong"):

@@ -100,8 +100,8 @@ class Asked:
     def frames(self, scene, motion, options="", what="", after=()):
         """Of a motion by name, or of the recording that was asked for, under options of ./zwang simulate."""
         seconds = ("--seconds", repr(self.options.seconds)) if self.options.seconds else ()
-        return self.lines(":frames", scene, "--motion", motion, "--parts", self.options.parts, "--what", what or motion,
-                          *seconds, *self.under(options), *after)
+        parts = ("--parts", self.options.parts) if self.options.parts else ()
+        return self.lines(":frames", scene, "--motion", motion, *parts, "--what", what or motion, *seconds, *self.under(options), *after)
 
     def play(self, *words, **more):
         return list(self.frames(*words, **more))

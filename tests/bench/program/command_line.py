@@ -117,6 +117,7 @@ MISTAKES = [
     (["solve", "no_c.h5", "--solver", "pgs"], 3, "no_c.h5"),
     (["solve", "negative_mu.h5", "--solver", "cone"], 3, "mu(0) is -1e-300; expected a number >= 0"),
     (["solve", "box.h5", "--accuracy", "1e-4m"], 2, "accuracy: expected a number between 0 and 1"),
+    (["solve", "box.h5", "--accuracy", ""], 2, "--accuracy: expected a value, and it is empty"),
     (["export", "towr", "--out", "t.h5"], 2, "did you mean 'tower'?"),
     (["export", "tower", "--boxs=3", "--out", "t.h5"], 2, "did you mean 'boxes'?"),
     (["export", "tower", "--boxes", "--out", "t.h5"], 2, "boxes"),

@@ -119,6 +119,9 @@ class Accuracy(unittest.TestCase):
         self.assertEqual(time_to_error(bounded, 1e-9), 3)
         self.assertEqual(time_to_error(bounded, 1e-11), INF)
 
+    def test_no_family_is_called_as_all_of_them_are(self):
+        self.assertEqual([Result({"problem": name, "family": ""}).family for name in ("p", "")], ["p", "unnamed"])
+
     def test_lies_never_count(self):
         self.assertEqual(time_to_error([result("p", "s", 1e-14, 1e-4, 1, "solved", "wrong")], 1e-3), INF)
         self.assertEqual(time_to_error([result("p", "s", 1e-14, 1e-4, 1, "iteration limit", "wrong")], 1e-3), 1)
