@@ -184,6 +184,7 @@ class Reader {
       if (!hinges_.insert({text, {a, b, axis()}}).second) v["name"].fail("a name of its own");
     } else if (type == "universal") {
       const Vec3 second = direction(v["axis_b"]);
+      if (axis().cross(second).norm() < 1e-6) v["axis_b"].fail("a direction across axis");
       scene_.add(UniversalJoint{{a, b}, anchor_a, anchor_b, local_turn(a, axis()), local_turn(b, second)}, text);
     } else if (type == "slider") {
       scene_.add(PrismaticJoint{{a, b}, anchor_a, anchor_b, local_turn(b, axis()), relative}, text);

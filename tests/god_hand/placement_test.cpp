@@ -54,6 +54,19 @@ TEST(Placement, AMotionIsLoweredUntilItWorks) {
                   slab({0.5, 0.5, 0.05}));
 }
 
+// A hand that is a metre away for half of the time is in no block for most of it.
+TEST(Placement, SaysWhereAShareCannotBeHad) {
+  HandMotion motion = read_motion(written("made.json", leap_document(60, true, false).dump()));
+  const auto notes = [](HandMotion placed) {
+    place(placed, slab({0.08, 0.08, 0.08}), 0.8);
+    return std::ranges::count_if(placed.notes, [](const auto& note) { return note.starts_with("at no height"); });
+  };
+  EXPECT_EQ(notes(motion), 0);
+  for (Track& track : motion.hands)
+    for (Track::Key& key : track.keys) key.target.palm.position.x() += key.time > motion.duration / 2 ? 1 : 0;
+  EXPECT_EQ(notes(motion), 1);
+}
+
 TEST(Placement, OnAThinSheetAndOnASmallBlock) {
   const HandMotion motion = read_motion(written("made.json", leap_document(60, true, false).dump()));
   expect_placed("sheet", motion, slab({0.5, 0.5, 0.001}));

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include <zwang/bench/scenes/physical.h>
+#include <zwang/core/problem/wording.h>
 #include <zwang/experiments/god_hand/motion/motions.h>
 #include <zwang/experiments/god_hand/motion/recording.h>
 #include <zwang/experiments/god_hand/scenes/depth.h>
@@ -159,6 +160,10 @@ Placement place(HandMotion& motion, const Surroundings& about, double share) {
   std::optional<Pose<double>> by;
   for (const double part : {1.0, 0.3})
     for (int turn = 0; turn < 4 && !by; ++turn) by = finder.lowered(turn * std::numbers::pi / 2, part, needed, deep);
+  if (!by)
+    motion.notes.push_back(
+        printed("at no height is a hand in an object for %.0f%% of the time and %.0f mm deep: placed without that",
+                100 * share, 1e3 * deep));
   if (!by) by = finder.lowered(0, 1, 0, deep);
   if (!by) by = finder.lowered(0, 1, 0, 0);
   for (Track& track : motion.hands)

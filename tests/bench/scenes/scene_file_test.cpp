@@ -62,6 +62,8 @@ TEST_F(SceneFile, SayWhatIsWrongWithLineAndMember) {
                         Case{"\"mass\": 30", "\"maas\": 30", "line 8", "maas"},
                         Case{"\"type\": \"hinge\"", "\"type\": \"hinje\"", "line 15", "/joints/1/type"},
                         Case{"\"b\": \"boom\"", "\"b\": \"bomb\"", "line 15", "/joints/1/b"},
+                        Case{"\"type\": \"hinge\"", "\"axis_b\": [0, 5, 0], \"type\": \"universal\"", "line 15",
+                             "/joints/1/axis_b: expected a direction across axis"},
                         Case{"\"sphere\": 0.2", "\"sphere\": 0", "line 10", "/bodies/3/shape/sphere"},
                         Case{"[0, 0, -9.81]", "[0, 0]", "line 5", "/gravity"},
                         Case{"[0, 0, -9.81]", "[0, 0, 1e999]", "line 5", ": number overflow"},
