@@ -9,8 +9,12 @@
 namespace zwang {
 namespace {
 
-// The classes of problems it reads: QP, and the laws under which it reads cones of friction.
-std::string read_by(const SolverEntry& e) { return e.laws.empty() ? "QP" : "QP, " + words_of(e.laws, ", "); }
+// The classes of problems it reads: QP, where it takes a problem without friction, and the laws under which it reads
+// cones of friction.
+std::string read_by(const SolverEntry& e) {
+  const std::string laws = words_of(e.laws, ", ");
+  return laws.empty() ? "QP" : e.make("").supports(Problem()).empty() ? "QP, " + laws : laws;
+}
 
 void print_whole(const SolverEntry& e) {
   std::printf("%-18s %s%s\n", e.name.c_str(), e.method.c_str(), e.foreign ? " (in a process of its own)" : "");
