@@ -48,7 +48,7 @@ void Promise::begin(const Problem& problem, const SolveOptions& options, ConePro
   program_ = rows;
   modes_ = equations ? equations : &own_modes_;
   options_ = &options;
-  ready_ = failed_ = arrived_ = false;
+  ready_ = failed_ = arrived_ = takes_any_ = false;
   spent_ = 0;
   if (!options.has_accuracy()) return;
   lightest_ = options.speed_accuracy > 0 ? lightest(problem) : 0;
@@ -60,6 +60,7 @@ void Promise::begin(const Problem& problem, const SolveOptions& options, ConePro
 }
 
 double Promise::enough(double motion, int exponent) const {
+  if (takes_any_) return infinity;
   if (failed_) return 0;
   return options_->speed_accuracy > 0 ? std::ldexp(options_->speed_accuracy * std::sqrt(lightest_), -exponent)
                                       : options_->accuracy * motion;
@@ -82,8 +83,11 @@ bool Promise::prepare() {
   failed_ = true;
   using Want = ConeProgram::Want;
   const Want want = problem_->has_tangents() ? Want::any : Want::sparse;
-  if (program_ == &own_ && !own_.build(*problem_, want, *options_, Deadline(options_->time_limit), scratch_))
-    return false;
+  if (!program_) {
+    ConeProgram& own = own_.open();
+    if (!own.build(*problem_, want, *options_, Deadline(options_->time_limit), scratch_)) return false;
+    program_ = &own;
+  }
   const auto n = static_cast<double>(program_->face().unknowns()), m = static_cast<double>(program_->rows());
   constexpr double lanes = 4;  // multiplications of a dense factor at a time
   spent_ = price_;
@@ -124,14 +128,12 @@ void Promise::judge(const Problem& problem, const SolveOptions& options, Solutio
   const bool is_solved = solution.status == Status::solved || solution.status == Status::solved_ill_conditioned;
   if (!options.has_accuracy() || !is_solved) return;
   if (solution.lambda.size() != problem.rows() || solution.z.size() != problem.size()) return;
-  SolveOptions any = options;
-  any.accuracy = infinity;
-  any.speed_accuracy = 0;
-  begin(problem, any);
+  if (!ready_ || problem_ != &problem) begin(problem, options);
+  takes_any_ = true;
+  failed_ = false;
   if (!prepare()) return;
   program_->read(solution.lambda, y_);
   const Bound bound = look();
-  options_ = nullptr;
   if (!std::isfinite(bound.relative)) return;
   program_->write(problem, v_, y_, scratch_);
   const auto length = [&](const Vector& x) { return std::sqrt(std::max(0.0, x.dot(problem.M * x))); };
@@ -295,7 +297,10 @@ bool Promise::distance() {
   return std::isfinite(half_ + gap_);
 }
 
-Prover& prover_in(Session<Promise>& kept) { return kept.open(); }
+Prover& prover_in(Session<Promise>& kept) {
+  kept.open().forget();
+  return *kept;
+}
 
 void Promise::end(const Problem& problem, const SolveOptions& options, Solution& solution) {
   double& bound = solution.error_bound;

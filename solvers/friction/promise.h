@@ -2,6 +2,7 @@
 
 #include <zwang/solvers/friction/mode_equations.h>
 #include <zwang/solvers/prover.h>
+#include <zwang/solvers/session.h>
 
 namespace zwang {
 
@@ -24,7 +25,7 @@ namespace zwang {
 // by the length of that motion ends at the same square root.
 class Promise final : public Prover {
  public:
-  void begin(const Problem& problem, const SolveOptions& options) override { begin(problem, options, &own_); }
+  void begin(const Problem& problem, const SolveOptions& options) override { begin(problem, options, nullptr); }
   // `rows`: the program of this problem that a method works with; a look leaves another factor in its face. It is kept
   // until the next begin(). Else one is built for the first look. `equations`: those of a method that has begun them
   // before the first look, which begins with its factor where the modes are the same.
@@ -39,6 +40,7 @@ class Promise final : public Prover {
   const Vector& y() const { return y_; }
   // Has an iterate the modes of the one before? Else a look seldom holds, and costs more than a step on dense rows.
   bool keeps_modes(const Vector& y, const Vector& s) { return prepare() && !modes_->choose(*program_, y, s); }
+  void forget() { ready_ = false; }  // rows of an earlier solve: end() keeps those of this one
   // The answer stays as it is, but for the last digits under Coulomb's law: at another point the slips are others.
   void end(const Problem& problem, const SolveOptions& options, Solution& solution) override;
 
@@ -65,9 +67,10 @@ class Promise final : public Prover {
 
   const Problem* problem_ = nullptr;
   const SolveOptions* options_ = nullptr;
-  ConeProgram own_, *program_ = nullptr;
+  Session<ConeProgram> own_;  // opened by the first look: to make one takes a tenth of a small solve
+  ConeProgram* program_ = nullptr;
   ModeEquations own_modes_, *modes_ = nullptr;
-  bool ready_ = false, failed_ = false, arrived_ = false;
+  bool ready_ = false, failed_ = false, arrived_ = false, takes_any_ = false;
   double factor_rounding_ = 0, row_rounding_ = 0;  // more where M ties unknowns to each other
   double spent_ = 0, price_ = 0, next_look_ = 0, lightest_ = 0;
   double half_ = 0, gap_ = 0;  // of the bound: |r| / 2, and the other terms
