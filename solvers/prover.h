@@ -18,8 +18,9 @@ class Prover {
   virtual double enough(double motion, int exponent) const = 0;
   // May a look be had now, that all of them cost a tenth of the method at the most? work: its multiplications so far.
   // left: what the method takes its iterate to be off, relative to the motion. Where that is what was asked for, one
-  // look is due at once: it spares the method's end, and the look that this would need.
-  virtual bool is_due(double work, double left = std::numeric_limits<double>::infinity()) = 0;
+  // look is due at once: it spares the method's end, and the look that this would need. own: the price of a look that
+  // the method has itself, where it is not holds() that is asked for.
+  virtual bool is_due(double work, double left = std::numeric_limits<double>::infinity(), double own = 0) = 0;
   // From the problem's multipliers. Where the bound is what was asked for, the solution is complete, and solved.
   virtual bool holds(const Vector& lambda, Solution& solution) = 0;
   // The bound with which an answer ends that has none yet (NaN), and may have one; infinite, to a method that handed

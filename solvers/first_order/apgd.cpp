@@ -63,7 +63,7 @@ void Apgd::solve(const Problem& problem, const SolveOptions& options, Solution& 
       break;
     }
   }
-  iteration.write();
+  iteration.end();
 }
 
 }  // namespace zwang

@@ -29,9 +29,17 @@ class DualIteration {
   // left: as Prover::is_due's.
   bool step_done(double left = std::numeric_limits<double>::infinity());
   void write() { program.write(*problem_, y, lambda, *solution_); }
+  void end();  // writes; of what is solved with a bound, where one is had
 
  private:
   bool runs_off();
+  double work() const {  // so far, in multiplications
+    return 4.0 * solution_->iterations * static_cast<double>(program.G().nonZeros());
+  }
+  double price() const;
+  bool ends_before(double part, double left);
+  bool holds(bool moves);
+  bool move();
 
   const Problem* problem_ = nullptr;
   const SolveOptions* options_ = nullptr;
@@ -40,6 +48,12 @@ class DualIteration {
   Vector marked_, drift_, motion_;
   Sharpening sharpening_;
   Prover* prover_ = nullptr;
+  double last_left_ = 0, least_ = 0;  // least_: pivot of gram_
+  bool looks_ = false;                // by holds()
+  std::vector<Index> pushing_;
+  Matrix gram_;
+  Vector part_, near_lambda_, near_y_;
+  std::vector<NearRow> near_;
 };
 
 }  // namespace zwang

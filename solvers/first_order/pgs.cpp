@@ -35,7 +35,7 @@ void Pgs::solve(const Problem& problem, const SolveOptions& options, Solution& s
     }
   }
   program.motion(lambda, y);
-  program.write(problem, y, lambda, solution);
+  iteration.end();
 }
 
 }  // namespace zwang

@@ -35,7 +35,10 @@ class UnitProgram {
   void project(Vector& lambda) const;                                                 // inequality rows: max(0, lambda)
   double scale(const Vector& y) const;  // max(|z_u|_M, |z|_M), in units of sigma
 
-  double reach() const;  // max(|z_u|_M, worst |h|), likewise
+  double free_norm() const { return whitened_.free.norm(); }  // |z_u|_M, likewise
+  int exponent() const { return whitened_.exponent; }         // sigma and the unit of length: 2^exponent
+  double tied() const { return whitened_.factor.tied(); }     // as SparseCholesky's
+  double reach() const;                                       // max(|z_u|_M, worst |h|), likewise
   // Worst |slack_i| (equality) or |min(lambda_i, slack_i)| (inequality) over scale(y): violation, sign and
   // complementarity in one, without the square root that lambda_i slack_i hides.
   double natural_residual(const Vector& y, const Vector& lambda) const;

@@ -66,14 +66,15 @@ double Promise::enough(double motion, int exponent) const {
                                       : options_->accuracy * motion;
 }
 
-bool Promise::is_due(double work, double left) {
+bool Promise::is_due(double work, double left, double own) {
   if (!options_->has_accuracy() || failed_) return false;
   const bool arrives = !arrived_ && left <= options_->accuracy;
   arrived_ = arrived_ || arrives;
-  if (!arrives && work < next_look_) return false;
-  if (!ready_ && (!prepare() || (!arrives && work < share * (spent_ + price_)))) return false;
-  spent_ += price_;
-  next_look_ = std::max(rarer * work, share * (spent_ + price_));
+  if (!arrives && work < std::max(next_look_, share * own)) return false;
+  if (own == 0 && !ready_ && (!prepare() || (!arrives && work < share * (spent_ + price_)))) return false;
+  const double price = own > 0 ? own : price_;
+  spent_ += price;
+  next_look_ = std::max(rarer * work, share * (spent_ + price));
   return true;
 }
 
@@ -90,7 +91,7 @@ bool Promise::prepare() {
   }
   const auto n = static_cast<double>(program_->face().unknowns()), m = static_cast<double>(program_->rows());
   constexpr double lanes = 4;  // multiplications of a dense factor at a time
-  spent_ = price_;
+  spent_ += price_;
   price_ = program_->is_dense() ? n * n * (m / 2 + n / 6) / lanes + ModeEquations::most_passes * n * (n + 3 * m) / lanes
                                 : share * static_cast<double>(problem_->J.nonZeros() + problem_->M.nonZeros()) * share;
   if (modes_ == &own_modes_) own_modes_.begin(*program_);

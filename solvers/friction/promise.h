@@ -32,7 +32,7 @@ class Promise final : public Prover {
   void begin(const Problem& problem, const SolveOptions& options, ConeProgram* rows,
              ModeEquations* equations = nullptr);
   double enough(double motion, int exponent) const override;
-  bool is_due(double work, double left = infinity) override;
+  bool is_due(double work, double left = infinity, double own = 0) override;
   bool holds(const Vector& lambda, Solution& solution) override;
   bool holds_at(const Vector& y, Solution& solution);  // of the multipliers of `rows`
   bool holds_at(const Vector& y);                      // and where: v(), y()
