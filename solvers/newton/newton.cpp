@@ -9,6 +9,7 @@ namespace zwang {
 namespace {
 
 constexpr Index largest_dense = 2000000;  // unknowns x rows for which the dense method is still a way out
+constexpr Index few_bodies = 24;          // unknowns: a look from outside is short, and its bound the nearer one
 constexpr double promising_from = 0.01;   // of the motion, and of the last such: a step of d that asks the prover
 
 }  // namespace
@@ -31,7 +32,7 @@ void Newton::solve(const Problem& p, const SolveOptions& options, Solution& s) {
     if (end == NewtonStart::End::written || end == NewtonStart::End::limit) return;
     all_but_known = end == NewtonStart::End::accepted;
   }
-  const bool bounds = polish && prover_ && (many || (L_.l.array() > 0).count() > L_.unknowns()) &&
+  const bool bounds = polish && prover_ && (L_.unknowns() > few_bodies || (L_.l.array() > 0).count() > L_.unknowns()) &&
                       L_.rows.free_norm > 0 && std::ranges::count(L_.rows.equality, 1) == 0;
   polish_.enough = bounds ? prover_->enough(L_.rows.free_norm, L_.rows.exponent) : 0;
   Status end = polish ? run(p, all_but_known, options, deadline, s) : run_alone(p, options, deadline, s);
