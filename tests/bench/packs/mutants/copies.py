@@ -73,8 +73,8 @@ Vector earlier;
         ("      if (program.natural_residual(y, lambda) <= options.tolerance) {\n",
          "      if (mutant == Mutant::gap_as_residual ? residual(program, y, lambda) <= options.tolerance\n"
          "          : program.natural_residual(y, lambda) * scale <= tolerance) {\n"),
-        ("  program.motion(lambda, y);\n  program.write(",
-         "  earlier = lambda;\n  if (mutant != Mutant::stale_warm_start) program.motion(lambda, y);\n  program.write("),
+        ("  program.motion(lambda, y);\n  iteration.end(",
+         "  earlier = lambda;\n  if (mutant != Mutant::stale_warm_start) program.motion(lambda, y);\n  iteration.end("),
     ],
     "nsgs": [],
     "contact_sweeps": [(
