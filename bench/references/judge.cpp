@@ -66,7 +66,7 @@ Judgement judge(const Instance& instance, const Vector& z, const Vector& lambda,
       out.proof = truth.reference->method;
     }
   }
-  out.at_least = std::max(out.at_least, std::max(m.z_least, referee::least_error(m.primal)) - rounding);
+  out.at_least = std::max({out.at_least, m.z_least - rounding, referee::least_error(m.primal) - rounding});
   // What contradicts itself proves nothing.
   if (out.at_least > out.at_most) {
     out.verdict = Verdict::undecided;

@@ -3,6 +3,7 @@
 #include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <sstream>
 #include <stdexcept>
 
@@ -56,14 +57,16 @@ std::string bad_entry(const Sparse& A, const char* letter, double limit) {
 }
 
 std::string bad_length(const Problem& p) {
-  const Eigen::SimplicialLLT<SparseMatrix> factor(p.M);
-  for (Index i = 0; i < p.rows() && factor.info() == Eigen::Success; ++i) {
-    const Vector row = p.J.row(i).transpose();
-    const double largest = row.lpNorm<Eigen::Infinity>();
+  std::optional<Eigen::SimplicialLLT<SparseMatrix>> factor;
+  for (Index i = 0; i < p.rows(); ++i) {
+    double largest = 0;
+    for (RowMatrix::InnerIterator it(p.J, i); it; ++it) largest = std::max(largest, std::abs(it.value()));
     if (!(largest > short_entry)) continue;
+    if (!factor) factor.emplace(p.M);
+    if (factor->info() != Eigen::Success) return {};
     const int exponent = std::ilogb(largest);
-    const Vector unit = row * std::ldexp(1.0, -exponent);
-    if (exponent + std::ilogb(std::sqrt(unit.dot(factor.solve(unit)))) >= longest_row)
+    const Vector unit = p.J.row(i).transpose() * std::ldexp(1.0, -exponent);
+    if (exponent + std::ilogb(std::sqrt(unit.dot(factor->solve(unit)))) >= longest_row)
       return "row " + std::to_string(i) + " of J is too long: |J M^-1/2| is above 2^" + std::to_string(longest_row);
   }
   return {};

@@ -336,7 +336,7 @@ bool JointSpaceActiveSet::rest_holds(double limit) {
     if (climb_.detour(share, most) <= allowed)
       gives_way = violation > left(i, far) ? j : gives_way;
     else if (share <= tolerances::exact_share && is_faint(rows, i))
-      return short_ = -1, false;
+      return false;
     else if (share > tolerances::exact_share || violation > std::min(left(i, far), rounding * point_.terms(rows, i)))
       return falls_short(j);
   }

@@ -348,7 +348,7 @@ Index ExtendedPolish<Real>::doubt_others(ActiveRows& active, double limit, bool 
     entering = doubt_these(active, left.first(std::min(together, left.size())), limit, passes_on);
     left = left.subspan(std::min(together, left.size()));
   }
-  is_blurred_ = (entering < 0 && wedge()) || is_blurred_;
+  if (entering < 0 && !(is_blurred_ && passes_on)) is_blurred_ = wedge() || is_blurred_;
   return entering;
 }
 
@@ -409,7 +409,7 @@ Index ExtendedPolish<Real>::doubt_these(ActiveRows& active, std::span<const Inde
 template <class Real>
 double ExtendedPolish<Real>::left_of(Index row, std::span<const Index> others, const auto& mu) {
   using std::abs;
-  static const double cancelled = std::sqrt(real_eps);
+  const double cancelled = std::sqrt(real_eps);
   force_.setZero();
   r1_.setZero();
   double weight = 0;

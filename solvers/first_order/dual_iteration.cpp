@@ -104,26 +104,29 @@ bool DualIteration::move() {
     else
       near_lambda_[i] = 0;
   const Index k = std::ssize(pushing_);
-  gram_.resize(k, k);
+  if (gram_.rows() < k) gram_.resize(k, k);
+  Eigen::Ref<Matrix> gram = gram_.topLeftCorner(k, k);
   for (Index a = 0; a < k; ++a) {
     motion_.setZero(program.size());
     program.add(pushing_[at(a)], 1, motion_);
-    for (Index b = a; b < k; ++b) gram_(b, a) = program.dot(pushing_[at(b)], motion_);
-    gram_(a, a) += tolerances::promise_softness;
+    for (Index b = a; b < k; ++b) gram(b, a) = program.dot(pushing_[at(b)], motion_);
+    gram(a, a) += tolerances::promise_softness;
   }
-  const Eigen::LLT<Eigen::Ref<Matrix>> factor(gram_);
+  const Eigen::LLT<Eigen::Ref<Matrix>> factor(gram);
   if (k == 0 || factor.info() != Eigen::Success) return false;
-  least_ = gram_.diagonal().minCoeff();
-  part_.setOnes(k);
-  factor.solveInPlace(part_);
+  least_ = gram.diagonal().minCoeff();
+  if (part_.size() < k) part_.resize(k);
+  auto part = part_.head(k);
+  part.setOnes();
+  factor.solveInPlace(part);
   motion_.setZero(program.size());
-  for (Index a = 0; a < k; ++a) program.add(pushing_[at(a)], part_[a], motion_);
+  for (Index a = 0; a < k; ++a) program.add(pushing_[at(a)], part[a], motion_);
   for (int pass = 0;; ++pass) {
     program.motion(near_lambda_, near_y_);
-    for (Index a = 0; a < k; ++a) part_[a] = h[pushing_[at(a)]] - program.dot(pushing_[at(a)], near_y_);
-    if (pass == most_passes || !(part_.lpNorm<Eigen::Infinity>() > rounding)) return true;
-    factor.solveInPlace(part_);
-    for (Index a = 0; a < k; ++a) near_lambda_[pushing_[at(a)]] += part_[a];
+    for (Index a = 0; a < k; ++a) part[a] = h[pushing_[at(a)]] - program.dot(pushing_[at(a)], near_y_);
+    if (pass == most_passes || !(part.lpNorm<Eigen::Infinity>() > rounding)) return true;
+    factor.solveInPlace(part);
+    for (Index a = 0; a < k; ++a) near_lambda_[pushing_[at(a)]] += part[a];
   }
 }
 
