@@ -94,7 +94,7 @@ class Cells:
         """ "problems/0007.h5 hand(contacts=4)   nnls @ 1e-06"."""
         problem, run = divmod(cell, self.runs)
         solver, tolerance = divmod(run, len(self.tolerances))
-        return f"{file_of(problem)} {self.names[problem]}   {self.solvers[solver]} @ {self.tolerances[tolerance]:.0e}"
+        return f"{file_of(problem)} {self.names[problem]}   {self.solvers[solver]} @ {self.tolerances[tolerance]:g}"
 
     def find(self, line):
         """The place of a stored line in this list; (problem, by whom) of a recorded answer; None where it is none of the list's."""

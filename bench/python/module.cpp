@@ -302,17 +302,14 @@ PYBIND11_MODULE(_zwang, m) {
             return std::tuple(std::move(change.z), std::move(change.lambda), change.is_unique, change.is_settled,
                               change.is_small);
           })
-      .def("back", [](SolutionDerivative& own, const Values& z_bar, const Values& lambda_bar) {
+      .def("back", [](SolutionDerivative& own, const Values& z_bar, const Values& lambda_bar, bool by_M, bool by_J) {
         SolutionDerivative::Bars bars = own.back(z_bar, lambda_bar);
-        return std::tuple(std::move(bars.change.z), std::move(bars.change.lambda), std::move(bars.z_u),
-                          std::move(bars.mu), bars.change.is_unique);
+        const bool unique = bars.change.is_unique;
+        py::object M = by_M ? py::cast(own.by_M(bars.change)) : py::none();
+        py::object J = by_J && unique ? py::cast(own.by_J(bars.change)) : py::none();
+        return std::tuple(M, std::move(bars.z_u), J, unique ? py::cast(Vector(-bars.change.lambda)) : py::none(),
+                          std::move(bars.mu), unique);
       });
-  m.def("outer_sum", [](const Values& a, const Values& b, const Values& c, const Values& d) {  // a b' + c d'
-    py::array_t<double> out({a.size(), b.size()});
-    for (Index i = 0; i < a.size(); ++i)
-      Eigen::Map<Vector>(out.mutable_data() + i * b.size(), b.size()) = a[i] * b + c[i] * d;
-    return out;
-  });
 
   made_by_calls(py::class_<Judgement>(m, "Judgement"))
       .def_property_readonly("verdict", [](const Judgement& j) { return std::string(to_string(j.verdict)); })
@@ -362,6 +359,12 @@ PYBIND11_MODULE(_zwang, m) {
       "judge",
       [](const Instance& instance, const Vector& z, const Vector& lambda, double tolerance) {
         return judge(instance, z, lambda, tolerance, reference_cache());
+      },
+      free);
+  m.def(
+      "judge_infeasible",
+      [](const Instance& instance, const Vector& certificate) {
+        return judge_infeasible(instance, certificate, reference_cache());
       },
       free);
   made_by_calls(py::class_<QuadraticProgram>(m, "Program"))

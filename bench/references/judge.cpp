@@ -87,6 +87,20 @@ Judgement judge(const Instance& instance, const Vector& z, const Vector& lambda,
 
 }  // namespace
 
+Judgement judge_infeasible(const Instance& instance, const Vector& certificate, const std::filesystem::path& cache) {
+  Solution solution;
+  solution.status = Status::infeasible;
+  solution.certificate = certificate;
+  const FoundReference truth = reference_for(instance, cache);
+  Judgement out;
+  out.metrics = measure(instance.problem, solution, truth.reference ? &*truth.reference : nullptr, 0);
+  out.verdict = out.metrics.verdict;
+  if (out.verdict == Verdict::infeasible_proven) out.proof = "the certificate";
+  if (out.verdict == Verdict::wrong) out.proof = "a z meets all rows";
+  out.text = in_words(out, "z");
+  return out;
+}
+
 Judgement judge(const Instance& instance, const Vector& z, const Vector& lambda, double tolerance,
                 const std::filesystem::path& cache) {
   return judge(instance, z, lambda, tolerance, 0, "z", cache);

@@ -27,7 +27,11 @@ struct Judgement {
 Judgement judge(const Instance& instance, const Vector& z, const Vector& lambda, double tolerance,
                 const std::filesystem::path& cache = {});
 
-// The same for x of a quadratic program, in the P-norm; y, z and z_box as in qpsolvers, or empty. The rounding of z_u
+// Judges "no z meets the rows", whoever said it, by its certificate (m, or none).
+Judgement judge_infeasible(const Instance& instance, const Vector& certificate,
+                           const std::filesystem::path& cache = {});
+
+// judge() for x of a quadratic program, in the P-norm; y, z and z_box as in qpsolvers, or empty. The rounding of z_u
 // widens the bounds.
 Judgement judge(const QuadraticProgram& program, const Vector& x, const Vector& y, const Vector& z, const Vector& z_box,
                 double tolerance);

@@ -53,6 +53,11 @@ def scientific(value, digits=1):
     return f"{mantissa}e{int(exponent)}" if int(exponent) else mantissa
 
 
+def exactly(value):
+    """1e-8, 2.5e-7: as few digits as tell it from every other double."""
+    return scientific(value, next((d for d in range(17) if float(f"{value:.{d}e}") == value), 17))
+
+
 def fixed(value, digits):
     return f"{value:.{digits}f}" if math.isfinite(value) else ""
 
@@ -271,7 +276,7 @@ class Run:
 
     def replay_command(self, result):
         file = os.path.join(self.directory, result.problem_file) if result.problem_file else result.problem
-        return f"./zwang solve {shlex.quote(file)} --solver {shlex.quote(result.solver)} --tolerance {scientific(result.tolerance, 0)}"
+        return f"./zwang solve {shlex.quote(file)} --solver {shlex.quote(result.solver)} --tolerance {exactly(result.tolerance)}"
 
 
 def take_conditions(about, run):
@@ -294,7 +299,7 @@ def take_conditions(about, run):
     if goes_on and about.get("runs", 0) > len(run.results):
         run.torn += f"{' ' if run.torn else ''}Not finished: {len(run.results):,} of {about['runs']:,} runs so far."
     add("seed", text("seed"))
-    add("tolerances", ", ".join(scientific(t, 0) if isinstance(t, (int, float)) else text_of(t) for t in about.get("tolerances", [])))
+    add("tolerances", ", ".join(exactly(t) if isinstance(t, (int, float)) else text_of(t) for t in about.get("tolerances", [])))
     for name in ("problems", "compiler", "flags"):
         add(name, text(name))
     for name, key in (("build type", "build_type"), ("CPU", "cpu"), ("cores", "cores")):
@@ -407,10 +412,13 @@ def by_class(run):
 
 
 def merged(a, b):
-    """One run that holds both: names of solvers in both get " @A" and " @B", problems with the same contents the name that they first had.
-    Of such solvers the runs on problems that only one of the two has are left out: means over other problems compare nothing."""
-    out, name_of, left_out = Run(), {}, set()
+    """One run that holds both: names of solvers in both get " @A" and " @B", problems with the same contents the name that they first had,
+    others of that name a mark. Of such solvers the runs on problems that only one of the two has are left out: means over other problems
+    compare nothing."""
+    out, name_of, owner_of, left_out = Run(), {}, {}, set()
     common = {r.identity for r in a.results} & {r.identity for r in b.results}
+    if a.results and b.results and not common:
+        fail(f"{a.directory} and {b.directory} hold no problem in common (by contents, not by name): there is nothing to compare")
     for run, other, mark in ((a, b, "A"), (b, a, "B")):
         both = set(other.names())
 
@@ -421,10 +429,13 @@ def merged(a, b):
             out.solvers.append(dataclasses.replace(s, name=shown(s.name), style=s.name, second=mark == "B"))
         renamed = {}
         for r in map(copy.copy, run.results):
-            if common and r.solver in both and r.identity not in common:
+            if r.solver in both and r.identity not in common:
                 left_out.add(r.identity)
                 continue
-            renamed[r.problem] = r.problem = name_of.setdefault(r.identity, r.problem)
+            if r.identity not in name_of:
+                taken = owner_of.setdefault(r.problem, r.identity) != r.identity
+                name_of[r.identity] = f"{r.problem} @{mark}" if taken else r.problem
+            renamed[r.problem] = r.problem = name_of[r.identity]
             r.solver = shown(r.solver)
             out.results.append(r)
         for pair, problems in run.handed_over.items():

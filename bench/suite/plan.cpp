@@ -68,6 +68,15 @@ void state_under(const std::vector<Law>& laws, Plan& plan) {
   plan.instances = std::move(stated);
 }
 
+// Tables and pictures go by names: a second problem of one name is "name (2)".
+void tell_apart(std::vector<Instance>& instances) {
+  std::map<std::string, int> seen;
+  for (Instance& i : instances) {
+    const std::string own = i.problem.name;
+    while (const int before = seen[i.problem.name]++) i.problem.name = own + " (" + std::to_string(before + 1) + ")";
+  }
+}
+
 }  // namespace
 
 std::span<const Suite> suites() {
@@ -252,6 +261,7 @@ Plan make_plan(SuiteOptions options, std::span<const SolverEntry> among) {
   keep_families(options.families, plan.instances, options.given);
   state_under(options.laws, plan);
   if (plan.instances.empty()) throw std::invalid_argument("no problem chosen");
+  tell_apart(plan.instances);
   plan.options = std::move(options);
   return plan;
 }

@@ -140,8 +140,7 @@ Outcome run_suite(const Plan& plan, const SuiteSettings& settings, const std::at
     const auto show = [&](double of_batch, std::size_t i) {
       if (settings.quiet) return;
       const double fraction = schedule.fraction(of_batch);
-      progress.show(fraction,
-                    instance.problem.name + "   " + runs[i].solver + " @ " + printed("%.0e", runs[i].tolerance),
+      progress.show(fraction, instance.problem.name + "   " + runs[i].solver + " @ " + printed("%g", runs[i].tolerance),
                     schedule.left(fraction));
     };
     const Flow flow{assemble, runs, limits, append, plan.options.tolerances.back(), show};

@@ -80,7 +80,7 @@ std::vector<Timed> time_batch(const Problem& problem, std::span<const Run> runs,
     Timed& t = timed[i];
     if (const auto tired = gave_up.find(runs[i].solver); tired != gave_up.end()) {
       t.solution.status = Status::time_limit;
-      t.solution.message = printed("not run: met the time limit at tolerance %.0e", tired->second);
+      t.solution.message = printed("not run: met the time limit at tolerance %g", tired->second);
       continue;
     }
     if (std::string reason = too_large(problem, runs[i]); !reason.empty()) {

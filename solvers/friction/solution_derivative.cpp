@@ -30,13 +30,14 @@ Workspace& workspace() {
 NullSpaceForm& SolutionDerivative::form() { return workspace().form; }
 
 SolutionDerivative::SolutionDerivative(const Problem& p, const Values& z, const Values& lambda)
-    : change_{.M = p.M, .J = p.J, .kind = p.kind, .law = p.law}, lambda_(lambda), number_(++last_number) {
+    : change_{.M = p.M, .J = p.J, .kind = p.kind, .law = p.law}, z_(z), lambda_(lambda), number_(++last_number) {
   if (z.size() != p.size() || lambda.size() != p.rows())
     throw std::invalid_argument("modes are read off z and lambda of a solution");
   const Vector mass = p.M.diagonal(), light = mass.cwiseInverse();
   owner_.assign(at(p.rows()), 0);
   change_.c.setConstant(p.rows(), -infinity);
   slack_.resize(p.rows());
+  half_ = (p.z_u - z) / 2;
   Vector unit(p.rows()), left = p.M * (z - p.z_u);  // a motion of length 1 moves a row by a `unit`
   for (Index i = 0; i < p.rows(); ++i) {
     double own = -p.c[i], squares = 0;
@@ -125,6 +126,18 @@ SolutionDerivative::Bars SolutionDerivative::back(const Values& z_bar, const Val
   for (const Index i : rows)
     bars.mu[owner_[at(i)]] += by_mu[i] * (change_.is_tangent(i) ? moved[i] : bars.change.lambda[i]);
   return bars;
+}
+
+SolutionDerivative::Full SolutionDerivative::by_M(const Change& change) const {
+  Full out(z_.size(), z_.size());
+  for (Index i = 0; i < out.rows(); ++i) out.row(i) = change.z[i] * half_ + half_[i] * change.z;
+  return out;
+}
+
+SolutionDerivative::Full SolutionDerivative::by_J(const Change& change) const {
+  Full out = Full::Zero(lambda_.size(), z_.size());
+  for (const Index i : rows) out.row(i) = lambda_[i] * change.z + change.lambda[i] * z_;
+  return out;
 }
 
 SolutionDerivative::Change SolutionDerivative::solve(const Sides& sides, bool back) {

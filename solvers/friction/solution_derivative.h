@@ -52,6 +52,10 @@ class SolutionDerivative {
     Vector z_u, mu;
   };
   Bars back(const Values& z_bar, const Values& lambda_bar);
+  // That by all entries of M (n x n, symmetric) and of J (m x n; where forces are unique), of the change of back().
+  using Full = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  Full by_M(const Change& change) const;
+  Full by_J(const Change& change) const;
 
  private:
   using Mode = ModeEquations::Mode;
@@ -68,7 +72,7 @@ class SolutionDerivative {
 
   Problem change_;  // whose answer is the change: c = -Inf but of the rows that push and the ties
   std::vector<Mode> mode_;
-  Vector lambda_, slack_;
+  Vector z_, half_, lambda_, slack_;  // half_: (z_u - z) / 2
   std::vector<Index> owner_;  // of a row that pushes the contact's first
   long number_;               // no other has it
   std::optional<bool> is_unique_;

@@ -252,8 +252,10 @@ def judge(problem, z, lambda_=None, *, tolerance=1e-9):
     """Whether z solves the problem, whoever found it: a Judgement with verdict, at_least and at_most (proven bounds on
     |z - z*|_M / s, s = max(|z_u|_M, |z*|_M)), residuals and the worst row. scale_over_answer = s / |z*|_M: times it, the
     bounds are relative to the answer alone. The truth is found and certified independently of any solver. z: n numbers, or what
-    solve() returned, whose forces are then judged, too."""
+    solve() returned, whose forces are then judged, too, or whose certificate where it says that no z meets the rows."""
     if isinstance(z, _zwang.Solution):
+        if z.status == "infeasible":
+            return _zwang.judge_infeasible(_problem(problem), z.certificate)
         z, lambda_ = z.z, z.lambda_ if lambda_ is None else lambda_
     return _zwang.judge(_problem(problem), _numbers(z, "z"), _numbers(lambda_, "lambda_"), _share(tolerance))
 

@@ -148,6 +148,8 @@ def _qps(path):
                     sign = {"MAX": -1, "MIN": 1}[words[0].upper()[:3]]
                 elif section == "ROWS":
                     kind, row = words[0].upper(), words[1]
+                    if kind not in ("N", "L", "G", "E"):
+                        raise ValueError(f"no row type '{words[0]}'; expected N, L, G or E")
                     if kind == "N" and goal is None:
                         goal = row
                     kinds[row] = kind

@@ -116,19 +116,13 @@ class QuickGradient(Kink):
         z_bar = finite(z_bar, "z_bar", p.size)
         lambda_bar = NONE if lambda_bar is None else finite(lambda_bar, "lambda_bar", p.rows)
         try:
-            push, t_bar, by_z_u, by_mu, unique = self.keeps.back(z_bar, lambda_bar)
+            *bars, unique = self.keeps.back(z_bar, lambda_bar, "M" in asked, "J" in asked)
         except ValueError as bad:
             raise ValueError(f"no gradient: {bad}") from None
         self.require_unique(unique)
         if lambda_bar is not NONE and not self.unique_forces:
             raise ValueError(f"no gradient: {NOT_UNIQUE}")
-        out = {"M": None, "z_u": by_z_u, "J": None, "c": -t_bar if self.unique_forces else None, "mu": by_mu}
-        if "M" in asked:
-            moved = 0.5 * (p.z_u - self.given[0])
-            out["M"] = _zwang.outer_sum(push, moved, moved, push)
-        if "J" in asked and self.unique_forces:
-            z, lambda_ = self.given
-            out["J"] = _zwang.outer_sum(lambda_, push, t_bar, z)
+        out = dict(zip(NAMES, bars))
         if self.laid:
             out = self.laid.back(out, {name: 0 * bar for name, bar in out.items() if bar is not None})[0]
         return {name: out[name] for name in names}

@@ -43,7 +43,7 @@ def save_fclib(file, problem, mu=None, form="global"):
 
     Inequality rows become normals, tangent rows their tangents; those of a contact without friction are zeros and its mu
     is 0. mu: other coefficients, one number or one a contact. Equality rows become G. What cannot be kept: names and keys
-    of rows, the order of equality among inequality rows, and rows with c = -inf, which bind nothing. The global file
+    of rows, the order of equality among inequality rows, and contacts whose normal row has c = -inf, which bind nothing. The global file
     carries z_u beside f = M z_u, which is rounded, so that zwang reads every other bit back; the local one keeps neither M
     nor z_u, and its W is rounded.
     """
@@ -53,7 +53,8 @@ def save_fclib(file, problem, mu=None, form="global"):
     if problem.law == "pyramid":
         raise ValueError(f"{file}: the edges of a pyramid are no contacts; save the problem under another law")
     J, c, equal, slips = problem.J, problem.c, problem.equality, problem.tangent
-    rows = numpy.flatnonzero(~equal & numpy.isfinite(c))
+    own_normal = numpy.maximum.accumulate(numpy.where(slips, 0, numpy.arange(problem.rows)))
+    rows = numpy.flatnonzero(~equal & numpy.isfinite(c[own_normal]))
     normal = rows[~slips[rows]]
     contact = numpy.cumsum(~slips[rows]) - 1  # of each row
     slip = rows - normal[contact]
@@ -61,7 +62,7 @@ def save_fclib(file, problem, mu=None, form="global"):
         mu = numpy.broadcast_to(numpy.asarray(mu, dtype=float), len(normal))
         if not (mu >= 0).all():
             raise ValueError(f"{file}: mu is negative; expected friction coefficients >= 0")
-    one = slips.any() and slip.max() == 1
+    one = slip.max(initial=0) == 1
     dim = 2 if one else 3
     place = dim * contact + slip
     H = scipy.sparse.coo_matrix(J[rows].T)

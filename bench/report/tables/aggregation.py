@@ -149,7 +149,7 @@ def accuracy_headline(run, error=HEADLINE):
             asides.append(f"{entry.reached} of {entry.reads}")
         (on_some if entry.reached < problems else on_all).append(
             f"{entry.solver} {duration(entry.time_s)}" + (f" ({', '.join(asides)})" if asides else ""))
-    subject = "hand" if is_hand(family) else family + " problem"
+    subject = "hand" if is_hand(family) else family if family.endswith("problem") else family + " problem"
     subject = f"one {subject}" if problems == 1 else f"{problems} {subject}s"
     return ((f"{run.problem_class}: on" if run.problem_class else "On") + f" {subject} at {scientific(error, 0)} achieved error: "
             + "; not on all: ".join(", ".join(part) for part in (on_all, on_some) if part))

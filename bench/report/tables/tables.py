@@ -5,7 +5,7 @@ import math
 from aggregation import (HEADLINE, LEVELS, accuracy_matched, break_points, fit_power_law, geometric_mean, median, natural_shift, ratio_text,
                          scaling, shifted_geometric_means, tightest, time_to_error, times_to_error)
 from held import files
-from results import NAN, VERDICTS, Result, count_of, counted, duration, fixed, number_of, over, scientific, text_of
+from results import NAN, VERDICTS, Result, count_of, counted, duration, exactly, fixed, number_of, over, scientific, text_of
 
 TEXTS = json.loads(files["tables.json"])
 
@@ -166,7 +166,7 @@ def claims_table(run):
 
     for group in sorted(groups.values(), key=badness):
         r, tolerances = group["worst"], group["tolerances"]
-        low, high, tone = scientific(min(tolerances), 0), scientific(max(tolerances), 0), "bad" if r.lies else "warn"
+        low, high, tone = exactly(min(tolerances)), exactly(max(tolerances)), "bad" if r.lies else "warn"
         asked = low if len(set(tolerances)) == 1 else f"{high} to {low}"
         table.add(r.solver, r.family, [r.solver, r.problem, cell(asked, min(tolerances)), whole(len(tolerances)), cell(r.claimed, NAN, tone),
                                        cell(r.verified, NAN, tone), error_cell(r), reason(r)], run.replay_of(r))
@@ -184,7 +184,7 @@ def recorded_table(run):
         table.add("", family, [family, answer, *map(whole, (len(answers), right, near, wrong, len(answers) - right - near - wrong)),
                                *map(number, (errors[0] if errors else NAN, median(errors), errors[-1] if errors else NAN))])
     table.explained()
-    table.note = table.note.replace("@", scientific(run.recorded[0].tolerance if run.recorded else NAN, 0), 1)
+    table.note = table.note.replace("@", exactly(run.recorded[0].tolerance) if run.recorded else "", 1)
     return table
 
 

@@ -370,6 +370,15 @@ class Judging(unittest.TestCase):
                 self.assertLessEqual(judged.at_least, off * 1.001 + 1e-15)
                 self.assertGreaterEqual(judged.at_most, off * 0.999)
 
+    def test_that_no_z_meets_the_rows_is_judged_by_its_certificate(self):
+        once_twice = zwang.Problem(numpy.eye(2), [1, 2], J=[[1, 0], [1, 0]], c=[1, 2], equality=2)
+        self.assertEqual(zwang.judge(once_twice, zwang.solve(once_twice)).verdict, "infeasible, proven")
+        nothing = zwang.Problem(numpy.eye(2), [1, 2], J=[[0, 0]], c=[1])
+        said = zwang.solve(nothing)
+        self.assertEqual(str(zwang.judge(nothing, said)), "infeasible, proven; proof: the certificate")
+        meets_all = zwang.Problem(numpy.eye(2), [1, 2], J=[[1, 0]], c=[1])
+        self.assertEqual(zwang.judge(meets_all, said).verdict, "wrong")
+
     def test_a_tolerance_lies_between_0_and_1(self):
         box = zwang.scene("tower(boxes=1)")
         for bad in (0, -1, 1, math.inf, math.nan):

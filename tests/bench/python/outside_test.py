@@ -68,6 +68,30 @@ def equalities_first(problem):
     return problem.J[order].toarray(), problem.c[order]
 
 
+class Layouts(unittest.TestCase):
+    def test_a_contact_that_bounds_nothing_is_left_out_with_its_tangents(self):
+        rows = [2, 0, 1, 5, 3, 4, 8, 6, 7]
+        for idle in ([1], [0], [2], [0, 1], [0, 1, 2]):
+            c = numpy.zeros(9)
+            c[[3 * k for k in idle]] = -numpy.inf
+            problem = zwang.Problem(numpy.eye(9), [1, 2, -3] * 3, J=numpy.eye(9)[rows], c=c, tangent=[False, True, True] * 3, mu=[.5, 0, 0] * 3)
+            with tempfile.TemporaryDirectory() as folder:
+                zwang.formats.save_fclib(f"{folder}/a.hdf5", problem)
+                [read] = zwang.load(f"{folder}/a.hdf5")
+            self.assertEqual(read.rows, 3 * (3 - len(idle)))
+            numpy.testing.assert_allclose(zwang.solve(read, "cone").z, zwang.solve(problem, "cone").z, rtol=1e-12)
+
+    def test_a_row_type_that_is_none_is_named(self):
+        lines = ["NAME", "ROWS", " N cost", " LE r", "COLUMNS", " x r 1", "RHS", " b r 1", "QUADOBJ", " x x 1", "ENDATA"]
+        with tempfile.TemporaryDirectory() as folder:
+            file = pathlib.Path(folder, "a.qps")
+            file.write_text("\n".join(lines))
+            with self.assertRaisesRegex(ValueError, "line 4: ROWS: cannot read 'LE r' .*expected N, L, G or E"):
+                zwang.load(file)
+            file.write_text("\n".join(lines).replace("LE", "L"))
+            self.assertEqual(zwang.load(file)[0].rows, 2)
+
+
 class Fclib(unittest.TestCase):
     def setUp(self):
         self.folder = tempfile.TemporaryDirectory()

@@ -2,7 +2,9 @@
 
 Usage: report_test.py SOURCE PROGRAM
 """
+import contextlib
 import importlib.util
+import io
 import json
 import math
 import os
@@ -36,7 +38,7 @@ from aggregation import (accuracy_headline, accuracy_matched, break_points, data
                          performance_profile, quantile, ratio_text, scaling, shifted_geometric_means, sweep_mark, sweep_state, time_to_error)
 from charts import chart_rows, drawn_as
 from report import dump, edit_distance, headline, page_data, page_text, single_run_scripts, split_solvers
-from results import BadFile, Result, Run, Solver, by_class, duration, merged, read_run, scientific
+from results import BadFile, Result, Run, Solver, by_class, duration, exactly, merged, read_run, scientific
 from tables import (break_point_table, claim_counts_table, claims_table, class_tables, comparison_table, conformance_table, knob_text, law_table,
                     means_table, phenomenon_table, recorded_table, sequence_table, speed_change_table, speed_exponent_table, speed_table)
 
@@ -86,6 +88,8 @@ class Statistics(unittest.TestCase):
         for value, digits, text in ((3.24e-9, 1, "3.2e-9"), (1e-12, 0, "1e-12"), (2, 1, "2.0"), (0, 1, "0"), (NAN, 1, "unknown"),
                                     (1.7976931348623157e308, 1, "infinite"), (1e300, 0, "1e300")):
             self.assertEqual(scientific(value, digits), text)
+        for value, text in ((1e-8, "1e-8"), (2.5e-7, "2.5e-7"), (0.1 + 0.2, "3.0000000000000004e-1")):
+            self.assertEqual(exactly(value), text)
         for seconds, text in ((18.4e-6, "18 us"), (1.94e-3, "1.9 ms"), (2.41, "2.4 s"), (3e-10, "0.3 ns"), (INF, "unknown")):
             self.assertEqual(duration(seconds), text)
         for knob, text in ((2.0 ** -27, "2^-27"), (2.0 ** 48, "2^48"), (64.0, "64"), (-2.0 ** -20, "-2^-20"), (0.001, "0.001"), (NAN, "")):
@@ -405,6 +409,16 @@ class Tables(unittest.TestCase):
         self.assertTrue(table.note.endswith("Only in run A: gone. Only in run B: new."), table.note)
         a.conditions, b.conditions = [("CPU", "one"), ("flags", "-O3")], [("CPU", "another"), ("flags", "-O3")]
         self.assertTrue(comparison_table(a, b).note.endswith("The runs are of different CPU, which times depend on."))
+
+    def test_problems_are_the_same_where_their_contents_are(self):
+        a = run_of(result("p", "s", 1e-8, 1e-9, 4, problem_sha256="one"), result("q", "s", 1e-8, 1e-9, 1, problem_sha256="both"))
+        b = run_of(result("p", "t", 1e-8, 1e-9, 4, problem_sha256="two"), result("q", "t", 1e-8, 1e-9, 1, problem_sha256="both"))
+        self.assertEqual([r.problem for r in merged(a, b).results], ["p", "q", "p @B", "q"])
+        b.results.pop()
+        with contextlib.redirect_stderr(io.StringIO()) as said, self.assertRaises(SystemExit) as end:
+            merged(a, b)
+        self.assertEqual(end.exception.code, 3)
+        self.assertIn("no problem in common", said.getvalue())
 
     def test_each_table_has_its_place_on_a_page(self):
         pages = pathlib.Path(source, "bench/report/page").glob("*.html")

@@ -72,6 +72,15 @@ TEST(Plan, StatesEachProblemWithFrictionUnderEachLaw) {
     EXPECT_THROW(parse_laws(bad), std::invalid_argument) << bad;
 }
 
+TEST(Plan, ProblemsOfOneNameAreToldApart) {
+  SuiteOptions options;
+  options.scenes = "tower(boxes=2),tower(boxes=2),ROD,tower(boxes=2)";
+  std::vector<std::string> names;
+  for (const Instance& i : make_plan(options, tests::all).instances) names.push_back(i.problem.name);
+  EXPECT_EQ(names,
+            (std::vector<std::string>{"tower(boxes=2)", "tower(boxes=2) (2)", "ROD", "tower(boxes=2) (3)"}));
+}
+
 TEST(Plan, AbsentSolversAreNamedInOneLine) {
   const std::vector<AbsentSolver> absent = {
       {"siconos_nsgs", "Siconos' numerics"}, {"siconos_admm", "Siconos' numerics"}, {"daqp", "DAQP 0.9"}};
