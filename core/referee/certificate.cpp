@@ -23,7 +23,7 @@ Weighted weigh(const ScaledProblem& scaled, const ExtendedVector& u) {
   for (Index i = 0; i < scaled.rows(); ++i) {
     const DoubleDouble part = u[i];
     if (part == DoubleDouble(0)) continue;
-    gain += scaled.violation(i) * part;
+    gain += scaled.h[i] * part;
     double terms = std::abs(scaled.c[i]);
     for (RowMatrix::InnerIterator it(scaled.J, i); it; ++it) terms += std::abs(it.value() * scaled.z_u[it.col()]);
     sizes += std::abs(part.hi) * terms;
@@ -138,7 +138,7 @@ Farkas judge_certificate(const ScaledProblem& scaled, const Vector& certificate,
   // The motion that rows with any part ask for, for u as it is; and those with a real part, for u moved on them alone.
   double whole = motion_scale, scale = motion_scale;
   for (Index i = 0; i < m; ++i) {
-    const double asks = scaled.is_zero(i) ? 0 : std::abs(scaled.violation(i).hi) / scaled.row_norm[i];
+    const double asks = scaled.is_zero(i) ? 0 : std::abs(scaled.h[i].hi) / scaled.row_norm[i];
     if (given[i] != 0) whole = std::max(whole, asks);
     if (weight[i] <= referee::no_part * heaviest) continue;
     out.conflicting.push_back(i);

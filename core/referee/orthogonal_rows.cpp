@@ -46,11 +46,12 @@ double OrthogonalRows::sigma_min_in(const ScaledProblem& scaled, const std::vect
   // R^-T by forward substitution: J X - I is R' R^-T - I, and small where R' comes first.
   const MatrixX<S> lower = triangle(rank_).template cast<S>().transpose();
   const MatrixX<S> inverse = lower.template triangularView<Eigen::Lower>().solve(MatrixX<S>::Identity(rank_, rank_));
-  const Eigen::SparseMatrix<Real> L = scaled.factor.matrixL();
+  const Eigen::SparseMatrix<Real> L = scaled.factor->matrixL();
   const Eigen::SparseMatrix<S, Eigen::RowMajor> upper = L.template cast<S>().transpose();
   MatrixX<S> X = Q().template cast<S>() * inverse;
   X = upper.template triangularView<Eigen::Upper>().solve(X).eval();
-  X = (scaled.factor.permutationPinv() * X).eval();
+  X = (scaled.factor->permutationPinv() * X).eval();
+  X = scaled.column_exponent.unaryExpr([](int e) { return S(std::ldexp(1.0, e)); }).matrix().asDiagonal() * X;
   const Eigen::SparseMatrix<S> M = scaled.M.template cast<S>();
   const auto unit = S(static_cast<double>(M.nonZeros() + 8) * static_cast<double>(std::numeric_limits<S>::epsilon()));
   const MatrixX<S> sizes = X.cwiseAbs(), MX = M * X, MX_sizes = M.cwiseAbs() * sizes;

@@ -21,35 +21,6 @@ int exponent_of(double x) {
   return e;
 }
 
-ExtendedVector force_residual(const SparseMatrix& M, const RowMatrix& J, const ExtendedVector& d,
-                              const ExtendedVector& lambda) {
-  ExtendedVector r = ExtendedVector::Zero(d.size());
-  for (Index j = 0; j < M.outerSize(); ++j)
-    for (SparseMatrix::InnerIterator it(M, j); it; ++it) r[it.row()] += DoubleDouble(it.value()) * d[j];
-  for (Index i = 0; i < lambda.size(); ++i) {
-    if (lambda[i] == DoubleDouble(0)) continue;
-    for (RowMatrix::InnerIterator it(J, i); it; ++it) r[it.col()] -= DoubleDouble(it.value()) * lambda[i];
-  }
-  return r;
-}
-
-Vector force_rounding(const SparseMatrix& M, const RowMatrix& J, const ExtendedVector& d,
-                      const ExtendedVector& lambda) {
-  Vector sum = Vector::Zero(d.size());
-  std::vector<Index> terms(at(d.size()), 0);
-  const auto add = [&](Index k, double x) {
-    sum[k] += std::abs(x);
-    ++terms[at(k)];
-  };
-  for (Index j = 0; j < M.outerSize(); ++j)
-    for (SparseMatrix::InnerIterator it(M, j); it; ++it) add(it.row(), it.value() * d[j].hi);
-  for (Index i = 0; i < J.rows(); ++i)
-    if (const double weight = lambda[i].hi; weight != 0)
-      for (RowMatrix::InnerIterator it(J, i); it; ++it) add(it.col(), it.value() * weight);
-  for (Index j = 0; j < sum.size(); ++j) sum[j] *= rounding_of(terms[at(j)]);
-  return sum;
-}
-
 }  // namespace referee
 
 namespace {
@@ -80,6 +51,7 @@ ScaledProblem::ScaledProblem(const Problem& p)
   J.makeCompressed();
   equality.resize(at(m));
   row_exponent.setZero(m);
+  column_exponent.setZero(n);
 
   // No nonzero mass may vanish: a denormal one stays where it is.
   constexpr int least = std::numeric_limits<double>::min_exponent - std::numeric_limits<double>::digits + 1;
@@ -110,11 +82,17 @@ ScaledProblem::ScaledProblem(const Problem& p)
   }
   motion_exponent = top.value_or(0);
   for (Index i = 0; i < n; ++i) z_u[i] = std::ldexp(z_u[i], -motion_exponent);
-  for (Index i = 0; i < m; ++i) c[i] = std::ldexp(c[i], -row_exponent[i] - motion_exponent);
+  h.setZero(m);
+  for (Index i = 0; i < m; ++i) {
+    c[i] = std::ldexp(c[i], -row_exponent[i] - motion_exponent);
+    if (!std::isfinite(c[i])) continue;
+    h[i] = c[i];
+    for (decltype(J)::InnerIterator it(J, i); it; ++it) h[i] -= DoubleDouble::exact_product(it.value(), z_u[it.col()]);
+  }
 
   if (n > 0) {
-    factor.compute(M.cast<FactorReal>());
-    definite = factor.info() == Eigen::Success && proven_definite();
+    factor->compute(M.cast<FactorReal>());
+    definite = factor->info() == Eigen::Success && proven_definite();
   }
   if (definite) weigh_rows();
 }
@@ -123,7 +101,7 @@ ScaledProblem::ScaledProblem(const Problem& p)
 // longest row of L (Demmel 1989; Rump 2006). So where A - c diag(A) has one, diag(A)^-1/2 A diag(A)^-1/2 has no
 // eigenvalue below c - |E|; with c = 2^8 |E| the factor of A itself leaves every dual norm to within 1 %.
 bool ScaledProblem::proven_definite() const {
-  const Eigen::SparseMatrix<FactorReal> L = factor.matrixL();
+  const Eigen::SparseMatrix<FactorReal> L = factor->matrixL();
   Eigen::VectorXi in_row = Eigen::VectorXi::Zero(size());
   int longest = 0;
   for (Index j = 0; j < L.outerSize(); ++j) {
@@ -143,8 +121,8 @@ bool ScaledProblem::proven_definite() const {
 void ScaledProblem::weigh_rows() {
   if (size() == 0) return;
   using std::sqrt;
-  const Eigen::SparseMatrix<FactorReal> L = factor.matrixL();
-  const auto& place = factor.permutationP().indices();
+  const Eigen::SparseMatrix<FactorReal> L = factor->matrixL();
+  const auto& place = factor->permutationP().indices();
   VectorX<FactorReal> x = VectorX<FactorReal>::Zero(size());
   for (Index i = 0; i < rows(); ++i) {
     Index first = size();
@@ -166,13 +144,15 @@ Problem ScaledProblem::problem() const {
 
 ExtendedVector ScaledProblem::motion(const Vector& z) const {
   ExtendedVector d(size());
-  for (Index i = 0; i < size(); ++i) d[i] = DoubleDouble::exact_sum(std::ldexp(z[i], -motion_exponent), -z_u[i]);
+  for (Index i = 0; i < size(); ++i)
+    d[i] = DoubleDouble::exact_sum(std::ldexp(z[i], column_exponent[i] - motion_exponent), -z_u[i]);
   return d;
 }
 
 Vector ScaledProblem::rounded_motion(const ExtendedVector& d) const {
   Vector z(size());
-  for (Index j = 0; j < z.size(); ++j) z[j] = std::ldexp((d[j] + DoubleDouble(z_u[j])).hi, motion_exponent);
+  for (Index j = 0; j < z.size(); ++j)
+    z[j] = std::ldexp((d[j] + DoubleDouble(z_u[j])).hi, motion_exponent - column_exponent[j]);
   return z;
 }
 
@@ -180,9 +160,8 @@ ExtendedVector ScaledProblem::to_multipliers(const ExtendedVector& lambda) const
   return referee::scaled(lambda, motion_exponent + mass_exponent - row_exponent);
 }
 
-ExtendedVector ScaledProblem::motion_of(ExtendedVector d) const {
-  for (DoubleDouble& x : d) x = x.scaled(-motion_exponent);
-  return d;
+ExtendedVector ScaledProblem::motion_of(const ExtendedVector& d) const {
+  return referee::scaled(d, column_exponent - motion_exponent);
 }
 
 ExtendedVector ScaledProblem::multipliers(ExtendedVector lambda) const {
@@ -221,22 +200,24 @@ double ScaledProblem::norm_with_free_motion(const ExtendedVector& d) const {
 }
 
 VectorX<FactorReal> ScaledProblem::whiten(const ExtendedVector& r) const {
-  VectorX<FactorReal> x = r.cast<FactorReal>();
+  VectorX<FactorReal> x = referee::scaled(r, column_exponent).cast<FactorReal>();
   if (size() == 0) return x;
-  x = factor.permutationP() * x;
-  return factor.matrixL().solve(x);
+  x = factor->permutationP() * x;
+  return factor->matrixL().solve(x);
 }
 
 VectorX<FactorReal> ScaledProblem::unwhiten(const VectorX<FactorReal>& y) const {
   if (size() == 0) return y;
-  const VectorX<FactorReal> x = factor.matrixU().solve(y);
-  return factor.permutationPinv() * x;
+  VectorX<FactorReal> x = factor->matrixU().solve(y);
+  x = factor->permutationPinv() * x;
+  for (Index j = 0; j < size(); ++j) x[j] *= FactorReal(std::ldexp(1.0, column_exponent[j]));
+  return x;
 }
 
 double ScaledProblem::dual_norm(const ExtendedVector& r) const { return static_cast<double>(whiten(r).stableNorm()); }
 
 DoubleDouble ScaledProblem::slack(Index i, const ExtendedVector& d) const {
-  DoubleDouble sum = -violation(i);
+  DoubleDouble sum = -h[i];
   for (decltype(J)::InnerIterator it(J, i); it; ++it) sum += DoubleDouble(it.value()) * d[it.col()];
   return sum;
 }
@@ -264,18 +245,11 @@ bool ScaledProblem::slack_vanishes(Index i, const ExtendedVector& d) const {
   return std::ranges::all_of(sum, [](double x) { return x == 0; });
 }
 
-DoubleDouble ScaledProblem::violation(Index i) const {
-  DoubleDouble h = c[i];
-  for (decltype(J)::InnerIterator it(J, i); it; ++it) h -= DoubleDouble::exact_product(it.value(), z_u[it.col()]);
-  return h;
-}
-
-VectorX<FactorReal> ScaledProblem::unit_row(Index i) const {
+VectorX<FactorReal> ScaledProblem::whitened_row(Index i) const {
   VectorX<FactorReal> x = VectorX<FactorReal>::Zero(size());
-  for (decltype(J)::InnerIterator it(J, i); it; ++it) x[it.col()] = it.value();
-  x = factor.permutationP() * x;
-  x = factor.matrixL().solve(x);
-  return x / FactorReal(row_norm[i]);
+  for (decltype(J)::InnerIterator it(J, i); it; ++it) x[it.col()] = std::ldexp(it.value(), column_exponent[it.col()]);
+  x = factor->permutationP() * x;
+  return factor->matrixL().solve(x);
 }
 
 double ScaledProblem::rounding(Index i, const ExtendedVector& d) const {
@@ -287,13 +261,36 @@ double ScaledProblem::rounding(Index i, const ExtendedVector& d) const {
 }
 
 ExtendedVector ScaledProblem::force_residual(const ExtendedVector& d, const ExtendedVector& lambda) const {
-  return referee::force_residual(M, J, d, lambda);
+  ExtendedVector r = ExtendedVector::Zero(d.size());
+  for (Index j = 0; j < M.outerSize(); ++j)
+    for (SparseMatrix::InnerIterator it(M, j); it; ++it) r[it.row()] += DoubleDouble(it.value()) * d[j];
+  for (Index i = 0; i < lambda.size(); ++i) {
+    if (lambda[i] == DoubleDouble(0)) continue;
+    for (RowMatrix::InnerIterator it(J, i); it; ++it) r[it.col()] -= DoubleDouble(it.value()) * lambda[i];
+  }
+  return r;
+}
+
+Vector ScaledProblem::force_roundings(const ExtendedVector& d, const ExtendedVector& lambda) const {
+  Vector sum = Vector::Zero(d.size());
+  std::vector<Index> terms(at(d.size()), 0);
+  const auto add = [&](Index k, double x) {
+    sum[k] += std::abs(x);
+    ++terms[at(k)];
+  };
+  for (Index j = 0; j < M.outerSize(); ++j)
+    for (SparseMatrix::InnerIterator it(M, j); it; ++it) add(it.row(), it.value() * d[j].hi);
+  for (Index i = 0; i < J.rows(); ++i)
+    if (const double weight = lambda[i].hi; weight != 0)
+      for (RowMatrix::InnerIterator it(J, i); it; ++it) add(it.col(), it.value() * weight);
+  for (Index j = 0; j < sum.size(); ++j) sum[j] *= referee::rounding_of(terms[at(j)]);
+  return sum;
 }
 
 // The dual norm of the entrywise bound; it bounds that of any residual below it when M is diagonal, and stands for it
 // within the condition of M's blocks otherwise. 2^-98 leaves 16 bits for that.
 double ScaledProblem::force_rounding(const ExtendedVector& d, const ExtendedVector& lambda) const {
-  return dual_norm(referee::force_rounding(M, J, d, lambda).cast<DoubleDouble>());
+  return dual_norm(force_roundings(d, lambda).cast<DoubleDouble>());
 }
 
 }  // namespace zwang

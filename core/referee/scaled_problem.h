@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/SparseCholesky>
+#include <memory>
 
 #include <zwang/core/number/double_double.h>
 #include <zwang/core/problem/problem.h>
@@ -14,10 +15,6 @@ namespace referee {
 // Entry i times 2^exponents[i].
 ExtendedVector scaled(const ExtendedVector& x, const Eigen::ArrayXi& exponents);
 int exponent_of(double x);  // the e of x = f 2^e with 1/2 <= f < 1; 0 for 0
-// M d - J' lambda; no lambda: M d. And what bounds its rounding, entrywise.
-ExtendedVector force_residual(const SparseMatrix& M, const RowMatrix& J, const ExtendedVector& d,
-                              const ExtendedVector& lambda);
-Vector force_rounding(const SparseMatrix& M, const RowMatrix& J, const ExtendedVector& d, const ExtendedVector& lambda);
 
 }  // namespace referee
 
@@ -28,7 +25,8 @@ Vector force_rounding(const SparseMatrix& M, const RowMatrix& J, const ExtendedV
 //
 // Powers of two are divided out first, without rounding: one per row of J (2^row_exponent), one of M (2^mass_exponent,
 // even), one common to z, z_u and c (2^motion_exponent). Rows at 2^+-500 and c at 1e300 then neither overflow nor
-// vanish. All members and arguments are in these units unless they say otherwise.
+// vanish. All members and arguments are in these units unless they say otherwise. (contact_problem.h goes on to finer
+// ones, in which each unknown is 2^column_exponent as large; here these are 0.)
 class ScaledProblem {
  public:
   // O(nonzeros) and one sparse factorization. Sizes must match and entries be finite (see bad_input).
@@ -50,8 +48,8 @@ class ScaledProblem {
   ExtendedVector motion(const Vector& z) const;  // d = z - z_u
   // So that M d = J' lambda stays true; 0 on rows that say nothing, which cannot push.
   ExtendedVector multipliers(const Vector& lambda) const;
-  ExtendedVector motion_of(ExtendedVector d) const;      // of a d in the problem's units
-  Vector rounded_motion(const ExtendedVector& d) const;  // z of the problem, rounded once
+  ExtendedVector motion_of(const ExtendedVector& d) const;  // of a d in the problem's units
+  Vector rounded_motion(const ExtendedVector& d) const;     // z of the problem, rounded once
   ExtendedVector to_multipliers(const ExtendedVector& lambda) const;
   ExtendedVector multipliers(ExtendedVector lambda) const;
   double scale_of(double norm) const;         // s of a motion of this norm: what errors are divided by
@@ -68,13 +66,15 @@ class ScaledProblem {
   DoubleDouble slack(Index i, const ExtendedVector& d) const;   // J_i (z_u + d) - c_i, not divided by |G_i|
   bool slack_vanishes(Index i, const ExtendedVector& d) const;  // exactly
   double unit_slack(Index i, const ExtendedVector& d) const { return slack(i, d).hi / row_norm[i]; }
-  DoubleDouble violation(Index i) const;                             // h_i = c_i - J_i z_u
-  VectorX<FactorReal> unit_row(Index i) const;                       // G_i / |G_i|, n, permuted as Q = L'P
+  VectorX<FactorReal> unit_row(Index i) const { return whitened_row(i) / FactorReal(row_norm[i]); }
+  VectorX<FactorReal> whitened_row(Index i) const;                   // G_i, n, permuted as Q = L'P
   VectorX<FactorReal> whiten(const ExtendedVector& r) const;         // Q^-T r: |.| is the dual norm
   VectorX<FactorReal> unwhiten(const VectorX<FactorReal>& y) const;  // Q^-1 y: its M-norm is |y|
   double rounding(Index i, const ExtendedVector& d) const;  // bounds the error of slack(i, d), divided by |G_i|
-  ExtendedVector force_residual(const ExtendedVector& d, const ExtendedVector& lambda) const;  // M d - J' lambda
-  double force_rounding(const ExtendedVector& d, const ExtendedVector& lambda) const;          // of its dual norm
+  // M d - J' lambda; no lambda: M d. And what bounds its rounding: entrywise, and of its dual norm.
+  ExtendedVector force_residual(const ExtendedVector& d, const ExtendedVector& lambda) const;
+  Vector force_roundings(const ExtendedVector& d, const ExtendedVector& lambda) const;
+  double force_rounding(const ExtendedVector& d, const ExtendedVector& lambda) const;
 
   using Factor = Eigen::SimplicialLLT<Eigen::SparseMatrix<FactorReal>>;
 
@@ -82,9 +82,10 @@ class ScaledProblem {
   SparseMatrix M;
   RowMatrix J;
   Vector z_u, c, row_norm, stored_c;
+  ExtendedVector h;  // c - J z_u; 0 where c is not finite
   std::vector<char> equality;
-  Factor factor;
-  Eigen::ArrayXi row_exponent;
+  std::shared_ptr<Factor> factor = std::make_shared<Factor>();  // of M before its unknowns are scaled
+  Eigen::ArrayXi row_exponent, column_exponent;
   int mass_exponent = 0, motion_exponent = 0;
 
  private:

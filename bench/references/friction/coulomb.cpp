@@ -22,8 +22,8 @@ using referee::down, referee::up;
 double first_scale(const Problem& problem, const ScaledProblem& scaled) {
   double scale = scaled.scale_of(0);
   for (Index i = 0; i < problem.rows(); ++i)
-    if (scaled.counts(i) && (problem.is_equality(i) || scaled.violation(i).hi > 0))
-      scale = std::max(scale, std::abs(scaled.violation(i).hi) / scaled.row_norm[i]);
+    if (scaled.counts(i) && (problem.is_equality(i) || scaled.h[i].hi > 0))
+      scale = std::max(scale, std::abs(scaled.h[i].hi) / scaled.row_norm[i]);
   return scale;
 }
 
@@ -131,7 +131,7 @@ class Search {
 
   bool keep(const ModeProof& proof, const char* method) {
     if (!proof.proven) return false;
-    const double s = p_.least_motion(p_.length(proof.point.x) - proof.radius);
+    const double s = p_.scale_of(p_.norm_with_free_motion(proof.point.x) - proof.radius);
     nearest = std::min(nearest, proof.delta / s);
     if (!(proof.delta <= referee::good_delta * s && proof.radius <= referee::good_delta * s)) return false;
     CoulombSolution solution{.radius = proof.radius / s,
@@ -212,7 +212,8 @@ std::optional<Reference> convex_reference(const Problem& problem, std::string* w
   Reference out{.z = p.rounded_motion(found.x),
                 .lambda = p.to_multipliers(found.lambda).cast<double>(),
                 .method = "interior point, conic duality"};
-  out.bound = up((p.norm(p.motion(out.z) - found.x) + found.upper) / p.least_motion(p.length(found.x) - found.upper));
+  const double least = p.scale_of(p.norm_with_free_motion(found.x) - found.upper);
+  out.bound = up((p.norm(p.motion(out.z) - found.x) + found.upper) / least);
   if (!(out.bound <= referee::useful)) return give_up("what duality proves of the answer is too little to be of use");
   return out;
 }

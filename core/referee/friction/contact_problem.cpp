@@ -3,29 +3,26 @@
 #include <algorithm>
 #include <cmath>
 
-#include <zwang/core/referee/tolerances.h>
-
 namespace zwang {
 
 using referee::exponent_of;
 
 ContactProblem::ContactProblem(const Problem& problem, const ScaledProblem& scaled, double motion_scale)
-    : M(scaled.M), J(scaled.J), h_error(Vector::Zero(scaled.rows())), row_norm(scaled.row_norm), scaled_(&scaled) {
-  const Index n = scaled.size(), m = scaled.rows();
-  shift = exponent_of(motion_scale);
-  column_shift_.resize(n);
-  row_shift_.resize(m);
+    : ScaledProblem(scaled), h_error(Vector::Zero(scaled.rows())) {
+  const Index n = size(), m = rows();
+  const int shift = exponent_of(motion_scale);
+  Eigen::ArrayXi row_shift(m);
   const Vector mass = M.diagonal();
-  for (Index j = 0; j < n; ++j) column_shift_[j] = exponent_of(mass[j]) / 2;
+  for (Index j = 0; j < n; ++j) column_exponent[j] = exponent_of(mass[j]) / 2;
 
   // Blocks: in the problem's units all rows of a contact share one power of two.
   for (Index i = 0; i < m; ++i) {
-    const int own = scaled.row_exponent[i];
+    const int own = row_exponent[i];
     if (problem.is_equality(i)) {
-      row_shift_[i] = exponent_of(row_norm[i]);
-      if (!scaled.is_zero(i))
+      row_shift[i] = exponent_of(row_norm[i]);
+      if (!is_zero(i))
         equalities.push_back(i);
-      else if (!scaled.zero_row_holds(i))
+      else if (!zero_row_holds(i))
         fixed_contradiction = true;
       continue;
     }
@@ -34,13 +31,13 @@ ContactProblem::ContactProblem(const Problem& problem, const ScaledProblem& scal
     int block = row_norm[i] > 0 ? exponent_of(row_norm[i]) + own : std::numeric_limits<int>::min();
     if (row_norm[i] == 0)
       for (Index t = 1; t < contact.rows(); ++t)
-        if (row_norm[i + t] > 0) block = std::max(block, exponent_of(row_norm[i + t]) + scaled.row_exponent[i + t]);
+        if (row_norm[i + t] > 0) block = std::max(block, exponent_of(row_norm[i + t]) + row_exponent[i + t]);
     if (block == std::numeric_limits<int>::min()) {
       contact.unit = 0;
       block = own;
     }
-    for (Index t = 0; t <= tangents; ++t) row_shift_[i + t] = block - scaled.row_exponent[i + t];
-    if (!scaled.is_vacuous(i)) contacts.push_back(contact);
+    for (Index t = 0; t <= tangents; ++t) row_shift[i + t] = block - row_exponent[i + t];
+    if (!is_vacuous(i)) contacts.push_back(contact);
     i += tangents;
   }
 
@@ -51,23 +48,24 @@ ContactProblem::ContactProblem(const Problem& problem, const ScaledProblem& scal
   };
   for (Index j = 0; j < n; ++j)
     for (decltype(M)::InnerIterator it(M, j); it; ++it)
-      move(it.valueRef(), -column_shift_[j] - column_shift_[it.row()]);
-  h.setZero(m);
-  z_u = scaled.z_u;
-  for (Index j = 0; j < n; ++j) z_u[j] = std::ldexp(z_u[j], column_shift_[j] - shift);
-  c = scaled.c;
+      move(it.valueRef(), -column_exponent[j] - column_exponent[it.row()]);
+  for (Index j = 0; j < n; ++j) {
+    z_u[j] = std::ldexp(z_u[j], column_exponent[j] - shift);
+    keeps_motion &= (z_u[j] == 0) == (scaled.z_u[j] == 0);
+  }
   for (Index i = 0; i < m; ++i) {
-    const int e = row_shift_[i];
+    const int e = row_shift[i];
     double sum = std::abs(scaled.c[i]);
     Index terms = 1;
     for (decltype(J)::InnerIterator it(J, i); it; ++it, ++terms) {
       sum += std::abs(it.value() * scaled.z_u[it.col()]);
-      move(it.valueRef(), -e - column_shift_[it.col()]);
+      move(it.valueRef(), -e - column_exponent[it.col()]);
     }
     row_norm[i] = std::ldexp(row_norm[i], -e);
-    if (scaled.is_vacuous(i) || !std::isfinite(scaled.c[i])) continue;  // the latter of zeros
+    row_exponent[i] += e;
+    if (!std::isfinite(scaled.c[i])) continue;
     c[i] = std::ldexp(c[i], -e - shift);
-    h[i] = scaled.violation(i).scaled(-e - shift);
+    h[i] = h[i].scaled(-e - shift);
     h_error[i] = std::ldexp(referee::rounding_of(terms) * sum, -e - shift) + referee::underflow;
     if (!std::isfinite(h_error[i])) exact = false;
   }
@@ -77,45 +75,17 @@ ContactProblem::ContactProblem(const Problem& problem, const ScaledProblem& scal
     if (contact.unit == 0)
       for (Index t = 1; t < contact.rows(); ++t) contact.unit = std::max(contact.unit, row_norm[contact.row + t]);
   }
-  free_motion = from_norm(scaled.norm_of_free_motion());
-  scale = from_norm(motion_scale);
-}
-
-ExtendedVector ContactProblem::motion(const Vector& z) const {
-  return referee::scaled(scaled_->motion(z), column_shift_ - shift);
-}
-
-Vector ContactProblem::rounded_motion(const ExtendedVector& x) const {
-  return scaled_->rounded_motion(referee::scaled(x, shift - column_shift_));
+  motion_exponent += shift;
+  scale = std::ldexp(motion_scale, -shift);
 }
 
 ExtendedVector ContactProblem::multipliers(const Vector& lambda) const {
-  const ExtendedVector own = referee::scaled(scaled_->multipliers(lambda), row_shift_ - shift);
+  const ExtendedVector own = ScaledProblem::multipliers(lambda);
   ExtendedVector l = ExtendedVector::Zero(lambda.size());
   for (const Index i : equalities) l[i] = own[i];
   for (const ContactRows& contact : contacts)
     l.segment(contact.row, 1 + contact.tangents) = own.segment(contact.row, 1 + contact.tangents);
   return l;
-}
-
-ExtendedVector ContactProblem::to_multipliers(const ExtendedVector& lambda) const {
-  return scaled_->to_multipliers(referee::scaled(lambda, shift - row_shift_));
-}
-
-double ContactProblem::length(const ExtendedVector& x) const {
-  return from_norm(scaled_->norm_with_free_motion(referee::scaled(x, shift - column_shift_)));
-}
-
-double ContactProblem::least_motion(double length) const {
-  return std::max({free_motion, length, from_norm(scaled_->least_scale())});
-}
-
-int ContactProblem::block_exponent(Index row) const { return row_shift_[row] + scaled_->row_exponent[row]; }
-
-DoubleDouble ContactProblem::slack(Index row, const ExtendedVector& x) const {
-  DoubleDouble sum = -h[row];
-  for (decltype(J)::InnerIterator it(J, row); it; ++it) sum += DoubleDouble(it.value()) * x[it.col()];
-  return sum;
 }
 
 double ContactProblem::slack_error(Index row, const ExtendedVector& x) const {
@@ -144,12 +114,8 @@ double ContactProblem::slip_error(const ContactRows& contact, const ExtendedVect
   return sum + referee::rounding_of_few * slip(contact, x).hi + referee::underflow_of_squares;
 }
 
-ExtendedVector ContactProblem::force_residual(const ExtendedVector& x, const ExtendedVector& lambda) const {
-  return referee::force_residual(M, J, x, lambda);
-}
-
 Vector ContactProblem::force_error(const ExtendedVector& x, const ExtendedVector& lambda) const {
-  return referee::force_rounding(M, J, x, lambda).array() + referee::underflow;
+  return force_roundings(x, lambda).array() + referee::underflow;
 }
 
 double ContactProblem::norm(const ExtendedVector& x) const {
@@ -176,24 +142,9 @@ double ContactProblem::dual_norm(const Vector& bound) const {
   return referee::up(sum);
 }
 
-// With M' = D^-1 M D^-1, |r'|_(M'^-1) = |D r'|_(M^-1), D = 2^column_shift.
-double ContactProblem::dual_norm(const ExtendedVector& r) const {
-  return referee::up(scaled_->dual_norm(referee::scaled(r, column_shift_)));
-}
-
-VectorX<FactorReal> ContactProblem::whitened_row(Index row) const {
-  ExtendedVector entries = ExtendedVector::Zero(size());
-  for (decltype(J)::InnerIterator it(J, row); it; ++it)
-    entries[it.col()] = std::ldexp(it.value(), column_shift_[it.col()]);
-  return scaled_->whiten(entries);
-}
-
 ExtendedVector ContactProblem::motion_by(const ExtendedVector& lambda, int rounds) const {
   ExtendedVector x = ExtendedVector::Zero(size());
-  for (int round = 0; round < rounds; ++round) {
-    const ExtendedVector force = referee::scaled(force_residual(x, lambda), column_shift_);
-    x -= referee::scaled(scaled_->unwhiten(scaled_->whiten(force)).cast<DoubleDouble>(), column_shift_);
-  }
+  for (int round = 0; round < rounds; ++round) x -= unwhiten(whiten(force_residual(x, lambda))).cast<DoubleDouble>();
   return x;
 }
 

@@ -231,7 +231,7 @@ class Krawczyk {
       if (point_.modes[c] == ContactMode::open) {
         const double slack = p_.slack(contact.row, point_.x).hi;
         if (contact.unit == 0) {  // exact: it holds or not
-          if (!p_.scaled().zero_row_holds(contact.row)) off({.off = infinity});
+          if (!p_.zero_row_holds(contact.row)) off({.off = infinity});
           continue;
         }
         const double spread = (p_.slack_error(contact.row, point_.x) + p_.reach(contact.row, radius)) * up(1);
@@ -313,7 +313,7 @@ class Krawczyk {
     // Columns: z, d = z - z_u, lambda.
     std::vector<Eigen::Triplet<double>> entries;
     std::vector<double> right;
-    bool exact = true;
+    bool exact = !with_forces || p_.keeps_motion;
     const auto put = [&](Index column, double value) {
       entries.emplace_back(static_cast<int>(right.size()), static_cast<int>(column), value);
     };
@@ -323,7 +323,7 @@ class Krawczyk {
     };
     const auto add_stored = [&](Index row) {
       for (RowMatrix::InnerIterator it(p_.J, row); it; ++it) put(it.col(), it.value());
-      exact &= (p_.c[row] == 0) == (p_.scaled().c[row] == 0);
+      exact &= (p_.c[row] == 0) == (p_.stored_c[row] == 0);
       close(p_.c[row]);
     };
     for (const Index k : part_.rows) add_stored(system_.active[at(k)].row);
@@ -332,7 +332,6 @@ class Krawczyk {
       for (Index j = 0; j < n; ++j) {
         put(j, 1);
         put(n + j, -1);
-        exact &= (p_.z_u[j] == 0) == (p_.scaled().z_u[j] == 0);
         close(p_.z_u[j]);
         for (RowMatrix::InnerIterator it(M, j); it; ++it) put(n + it.col(), it.value());
         for (RowMatrix::InnerIterator it(transposed, j); it; ++it)

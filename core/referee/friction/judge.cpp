@@ -100,7 +100,7 @@ void Found::join(const Found& other) {
 
 // Of a part without rows: its answer is z_u, x = 0.
 Found found_free(const ContactProblem& p, const ExtendedVector& x) {
-  const double off = p.norm(x), size = p.free_motion;
+  const double off = p.norm(x), size = p.norm_of_free_motion();
   Found found{.upper = up(off), .lower = down(off), .convex_size = size, .nearest_size = size};
   found.nearest = {.proof = {.proven = true, .radius = 0, .delta = 0, .strict = true, .unique_forces = true},
                    .upper = found.upper};
@@ -131,7 +131,7 @@ void consider_exactly(const Problem& problem, const ContactProblem& p, const Ext
   }
   const auto exact = exact_point(problem, p.rounded_motion(x), points, guesses);
   if (!exact) return;
-  const auto own = [&](double norm) { return p.from_norm(std::ldexp(norm, -p.scaled().norm_exponent())); };
+  const auto own = [&](double norm) { return std::ldexp(norm, -p.norm_exponent()); };
   const double distance = own(exact->distance), size = own(exact->size);
   if (!slip_lifts(problem.law)) {
     found.rows = ConvexBound::Rows::feasible;
@@ -176,7 +176,7 @@ Found find(const Problem& problem, const ContactProblem& p, const ExtendedVector
       const bool far = found.lower > near_error(tolerance) * p.scale;
       found.lower = far ? distance_to_solutions(found.lower, bound_turn(p)) : 0;
     }
-    found.convex_size = p.length(convex.x);
+    found.convex_size = p.norm_with_free_motion(convex.x);
     found.convex_error = convex.upper;
   }
   if (!coulomb) {
@@ -193,7 +193,7 @@ Found find(const Problem& problem, const ContactProblem& p, const ExtendedVector
   const double wrong = 1.001 * near_error(tolerance), far = wrong < 1 ? wrong / (1 - wrong) * p.scale : infinity;
   if (!within(near_error(tolerance)) && found.lower < far && far < infinity && none_by_slopes(p, x, far))
     found.lower = far;
-  if (nearest.proof.proven) found.nearest_size = p.length(nearest.proof.point.x);
+  if (nearest.proof.proven) found.nearest_size = p.norm_with_free_motion(nearest.proof.point.x);
   if (found.rows != ConvexBound::Rows::infeasible && !within(accepted))
     consider_exactly(problem, p, x, lambda, convex, found);
   return found;
@@ -266,7 +266,7 @@ Verdict judge_friction(const Problem& problem, const ScaledProblem& scaled, cons
   const double accepted = accepted_error(tolerance);
   ErrorBounds from_reference;
   if (known) {
-    out.z_error = distance(p, x, p.motion(reference->z)) / p.from_norm(scaled.scale_of(scaled.norm_of(reference->z)));
+    out.z_error = distance(p, x, p.motion(reference->z)) / p.scale_of(p.norm_of(reference->z));
     from_reference = error_bounds(problem, *reference, out.z_error);
     const Verdict verdict = by_error(from_reference.upper, from_reference.lower, tolerance);
     if (!slip_lifts(problem.law) && verdict != Verdict::undecided) return verdict;
@@ -289,7 +289,7 @@ Verdict judge_friction(const Problem& problem, const ScaledProblem& scaled, cons
   if (found.rows == ConvexBound::Rows::infeasible) return Verdict::wrong;
   double upper = infinity, lower = 0;
   if (found.upper < infinity) {
-    upper = found.upper / p.least_motion(found.convex_size - found.convex_error);
+    upper = found.upper / p.scale_of(found.convex_size - found.convex_error);
     // The larger of |z| and |z_u| is p.scale, and the solution may be longer by its distance.
     lower = found.lower / (p.scale + found.lower);
   }
@@ -300,7 +300,7 @@ Verdict judge_friction(const Problem& problem, const ScaledProblem& scaled, cons
   }
   out.friction.self_bound = upper;
   if (const Nearest& nearest = found.nearest; nearest.proof.proven) {
-    const double least = p.least_motion(found.nearest_size - nearest.proof.radius);
+    const double least = p.scale_of(found.nearest_size - nearest.proof.radius);
     out.z_bound = nearest.upper / least;
     out.bound_method = nearest.proof.by;
     out.friction.radius = nearest.proof.radius / least;

@@ -63,7 +63,7 @@ class NormalMap {
   explicit NormalMap(const ContactProblem& p) : p_(p), n_(p.size()), size_(n_ + std::ssize(p.equalities)) {
     usable = p.exact && !p.fixed_contradiction;
     for (const ContactRows& contact : p.contacts) {
-      if (contact.unit == 0) usable &= p.scaled().zero_row_holds(contact.row);
+      if (contact.unit == 0) usable &= p.zero_row_holds(contact.row);
       if (contact.unit == 0) continue;
       const Index rows = contact.rows();
       parts_.push_back(

@@ -54,7 +54,7 @@ double relative_residual(const ContactProblem& p, Law law, const ExtendedVector&
   const ExtendedVector x = p.motion_by(lambda);
   double residual = 0, total = 0;
   for (const Index i : p.equalities) {
-    const double unit = std::ldexp(1.0, -p.block_exponent(i));
+    const double unit = std::ldexp(1.0, -p.row_exponent[i]);
     residual = std::hypot(residual, p.slack(i, x).hi / (p.row_norm[i] * p.row_norm[i]) * unit);
     total = std::hypot(total, lambda[i].hi * unit);
   }
@@ -64,7 +64,7 @@ double relative_residual(const ContactProblem& p, Law law, const ExtendedVector&
     for (Index t = 0; t < contact.rows(); ++t) trace += p.row_norm[contact.row + t] * p.row_norm[contact.row + t];
     const DoubleDouble weight = DoubleDouble(static_cast<double>(contact.rows())) / trace;
     const Block l = take(lambda, contact, contact.rows()), u = slack_of(p, contact, x, law);
-    const double unit = std::ldexp(1.0, -p.block_exponent(contact.row));
+    const double unit = std::ldexp(1.0, -p.row_exponent[contact.row]);
     residual = std::hypot(residual, size(l, project(l - weight * u, contact.mu)) * unit);
     total = std::hypot(total, size(l, Block::Zero()) * unit);
   }

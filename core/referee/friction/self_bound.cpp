@@ -19,11 +19,11 @@ class Duality {
   Duality(const ContactProblem& problem, const Slips& slips, std::vector<Index> equalities)
       : p_(problem), slips_(slips), equalities_(std::move(equalities)), orthogonal_(problem.size()) {
     for (const Index i : equalities_) {
-      const auto split = orthogonal_.split(p_.scaled().unit_row(i));
+      const auto split = orthogonal_.split(p_.unit_row(i));
       if (split.dependent) return;
       orthogonal_.append(split);
     }
-    sigma_min_ = orthogonal_.sigma_min(p_.scaled(), equalities_);
+    sigma_min_ = orthogonal_.sigma_min(p_, equalities_);
     Matrix rows(static_cast<Index>(equalities_.size()), p_.size());
     for (Index k = 0; k < rows.rows(); ++k) {
       const Index i = equalities_[at(k)];
@@ -112,8 +112,8 @@ class Duality {
   bool fixed_holds(Index c) const {
     const ContactRows& contact = p_.contacts[at(c)];
     const bool lifted = slips_.error[c] > 0;
-    if (contact.rows() == 1 || lifted) return p_.scaled().zero_row_holds(contact.row);
-    const auto c_of = p_.scaled().stored_c.segment(contact.row, contact.rows());
+    if (contact.rows() == 1 || lifted) return p_.zero_row_holds(contact.row);
+    const auto c_of = p_.stored_c.segment(contact.row, contact.rows());
     const double top = c_of.lpNorm<Eigen::Infinity>();
     if (top == 0) return true;
     DoubleDouble squares;
@@ -214,7 +214,7 @@ class Duality {
 }  // namespace
 
 std::vector<Index> independent_equalities(const ContactProblem& p, bool& contradictory) {
-  const ExactBasis basis = exact_basis(p.scaled().J, p.scaled().c, p.equalities);
+  const ExactBasis basis = exact_basis(p.J, p.c, p.equalities);
   contradictory = !basis.contradictory.empty();
   return basis.rows;
 }

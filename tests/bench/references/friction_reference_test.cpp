@@ -164,7 +164,7 @@ TEST(FrictionReference, AgreesWithEnumerationOnPlanarScenes) {
       double least = exact->empty() ? 1 : std::numeric_limits<double>::infinity();
       for (const Vector& solution : *exact) least = std::min(least, (z - solution).norm());
       const auto none = [&](double distance) {
-        return none_by_slopes(own, own.motion(z), own.from_norm(std::ldexp(distance, -scaled.norm_exponent())));
+        return none_by_slopes(own, own.motion(z), std::ldexp(distance, -own.norm_exponent()));
       };
       EXPECT_FALSE(!exact->empty() && none(least * (1 + 1e-9))) << "scene " << scene;
       denied += none(least / 16);
