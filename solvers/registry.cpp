@@ -253,6 +253,8 @@ std::span<const SolverEntry> solvers() { return registry().solvers; }
 std::span<const AbsentSolver> absent_solvers() { return registry().absent; }
 
 void add_solver(SolverEntry entry) {
+  if (entry.name.empty() || entry.name.find_first_of(",:=") != std::string::npos)
+    throw std::invalid_argument("'" + std::string(entry.name) + "' is no name of a solver: expected one without , : =");
   if (find_solver(entry.name))
     throw std::invalid_argument("a solver of the name '" + entry.name + "' is registered already");
   registry().solvers.push_back(std::move(entry));

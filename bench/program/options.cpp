@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cstdint>
 #include <cstdio>
 #include <stdexcept>
 
@@ -51,13 +52,16 @@ void add_laws(CLI::App& app, std::vector<Law>& laws) {
   add_law_option(app, ", or several: a,b", [&laws](const std::string& words) { laws = parse_laws(words); });
 }
 
-// CLI11's own checks let NaN pass, and print bounds with 300 digits.
+// CLI11's own checks let NaN pass, whole numbers that none holds become the largest, and bounds are printed with 300
+// digits.
 CLI::Option* within(const Range& range, CLI::Option* option) {
   std::string line = option->get_description();
   line.insert(std::min(line.find("; default"), line.size()), "; " + range.words());
-  return option->description(line)->check([range](const std::string& text) {
+  const bool whole = option->get_type_name().ends_with("INT");
+  return option->description(line)->check([range, whole](const std::string& text) {
     const std::optional<double> value = number_in<double>(text);
-    return value && range.holds(*value) ? std::string() : text + " should be a number " + range.words();
+    const bool is_one = value && range.holds(*value) && (!whole || number_in<std::uint64_t>(text));
+    return is_one ? std::string() : text + " should be a " + (whole ? "whole " : "") + "number " + range.words();
   });
 }
 

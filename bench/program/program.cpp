@@ -142,9 +142,6 @@ int program(int count, char** arguments, const Extensions& extensions) {
 
   LibraryMemory::install();  // solvers are timed in second solves, which then allocate nothing
 
-  for (const SolverEntry& entry : extensions.solvers) add_solver(entry);
-  for (const SceneEntry& entry : extensions.scenes) add_scene(entry);
-
   std::vector<std::string> words(arguments + 1, arguments + count);
   if (words.empty() || words[0] == "--help" || words[0] == "-h" || words[0] == "help") {
     print_help(commands);
@@ -156,7 +153,12 @@ int program(int count, char** arguments, const Extensions& extensions) {
     return done;
   }
   try {
-    return run(commands, words[0], {words.begin() + 1, words.end()});
+    for (const SolverEntry& entry : extensions.solvers) add_solver(entry);
+    for (const SceneEntry& entry : extensions.scenes) add_scene(entry);
+    const int code = run(commands, words[0], {words.begin() + 1, words.end()});
+    if (std::fflush(stdout) == 0 && !std::ferror(stdout)) return code;
+    std::fputs("standard output: cannot be written\n", stderr);
+    return bad_file;
   } catch (const std::filesystem::filesystem_error& bad) {
     std::fprintf(stderr, "%s: %s\n", bad.path1().c_str(), bad.code().message().c_str());
     return bad_file;

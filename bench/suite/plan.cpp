@@ -117,7 +117,10 @@ std::vector<std::string> split_solvers(const std::string& text) {
     else
       all.push_back(part);
   }
-  return all;
+  std::vector<std::string> once;
+  for (std::string& solver : all)
+    if (std::ranges::find(once, solver) == once.end()) once.push_back(std::move(solver));
+  return once;
 }
 
 std::vector<Law> parse_laws(const std::string& text) {

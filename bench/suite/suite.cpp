@@ -162,8 +162,8 @@ Outcome run_suite(const Plan& plan, const SuiteSettings& settings, const std::at
     outcome.notes.push_back(line);
     record.notes.push_back(line);
   }
-  if (timed_once > 0)
-    record.notes.push_back(grouped(timed_once) + " runs were timed by their first solve alone: too slow to repeat");
+  if (timed_once > 0 && !plan.options.accuracy)
+    record.notes.push_back(counted(timed_once, "run") + " timed by the first solve alone: too slow to repeat");
   if (schedule.shortest_time_limit() < plan.time_limit) {
     outcome.notes.push_back("To keep the suite's time, the time limit of a solve went down from " +
                             duration(plan.time_limit) + " to " + duration(schedule.shortest_time_limit()) + ".");

@@ -200,6 +200,7 @@ class Scene {
   // Throws std::invalid_argument when it names a body that is not there, or one body twice.
   template <Constraint C>
   void add(C constraint, std::string label = {}, std::uint64_t key = 0) {
+    static_assert(require_optional_members<C>());
     require_bodies(C::name, constraint.bodies.data(), arity<C>);
     auto& list = list_of<C>();
     if (label.empty()) label = std::to_string(list.all.size());

@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include <zwang/core/problem/law.h>
+#include <zwang/core/problem/wording.h>
 
 namespace zwang {
 
@@ -45,10 +46,15 @@ void AnySolver::solve(const Problem& problem, const SolveOptions& options, Solut
     return give_up(Status::numerical_failure, "out of memory");
   }
   const bool claims_z = solution.status == Status::solved || solution.status == Status::solved_ill_conditioned;
-  if (claims_z && !(solution.z.allFinite() && solution.lambda.allFinite())) {
+  const auto refuse_unless = [&](const Vector& x, Index size, const char* name) {
+    if (x.size() == size && x.allFinite()) return;
     solution.status = Status::numerical_failure;
-    solution.message = "the answer does not fit doubles";
-  }
+    solution.message = x.size() != size ? printed("%s has %td entries, expected %td", name, x.size(), size)
+                                        : std::string(name) + " holds a number that does not fit doubles";
+  };
+  if (!claims_z) return;
+  refuse_unless(solution.z, problem.size(), "z");
+  if (solution.lambda.size() > 0) refuse_unless(solution.lambda, problem.rows(), "lambda");
 }
 
 Solution AnySolver::solve(const Problem& problem, const SolveOptions& options) {

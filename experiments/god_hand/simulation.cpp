@@ -321,7 +321,8 @@ Simulation::Simulation(Surroundings surroundings, std::span<const hand::Model> m
   for (std::size_t h = 0; h < models.size(); ++h) {
     const hand::Poses at = hand::forward_kinematics(start[h].palm, start[h].angles, models[h]),
                       straight = hand::forward_kinematics(start[h].palm, {}, models[h]);
-    if (!std::ranges::all_of(at, is_finite)) throw std::runtime_error("a hand's first target is not finite");
+    if (!std::ranges::all_of(at, is_usable))
+      throw std::runtime_error("a hand's first target is not finite, or farther than 1e6 m from the origin");
     s.target.insert(s.target.end(), at.begin(), at.end());
     easy.insert(easy.end(), straight.begin(), straight.end());
     if (clusters.empty() || options.clusters) clusters.emplace_back();
@@ -376,7 +377,7 @@ const Frame& Simulation::step(std::span<const Target> targets) {
   bool tracked = true;
   for (std::size_t h = 0; h < targets.size(); ++h) {
     const hand::Poses at = hand::forward_kinematics(targets[h].palm, targets[h].angles, s.models[h]);
-    const bool usable = targets[h].tracked && std::ranges::all_of(at, is_finite);
+    const bool usable = targets[h].tracked && std::ranges::all_of(at, is_usable);
     tracked = tracked && usable;
     if (usable) std::copy(at.begin(), at.end(), s.wanted.begin() + static_cast<long>(h * at.size()));
   }
@@ -390,7 +391,7 @@ const Frame& Simulation::step(std::span<const Pose<double>> targets) {
   if (targets.size() != s.target.size())
     throw std::invalid_argument(counts(s.target.size(), " god objects, ", targets.size(), " targets"));
   s.frame.reset();
-  s.frame.tracked = std::ranges::all_of(targets, is_finite);
+  s.frame.tracked = std::ranges::all_of(targets, is_usable);
   if (s.frame.tracked) std::copy(targets.begin(), targets.end(), s.target.begin());
   s.frame.number = s.number++;
   s.frame.time = static_cast<double>(s.frame.number) * s.options.dt;

@@ -115,6 +115,11 @@ void add_choices(CLI::App& app, const std::string& command, const std::string& e
   each_option(a.options, AddOption{app});
 }
 
+long frames_of(const Choices& choices) {
+  constexpr double most = 1e15;  // beyond any run, and within a long
+  return std::max(1l, std::lround(std::min(choices.seconds * choices.rate, most)));
+}
+
 god::Record record_of(const CLI::App& app, const Choices& choices, const std::string& command_line) {
   god::Record record = {.command = command_line, .started = now_iso8601(), .finished = {}, .asked = choices.asked};
   Asked& asked = record.asked;
@@ -125,7 +130,7 @@ god::Record record_of(const CLI::App& app, const Choices& choices, const std::st
   if (asked.options.pads > 0 && !(asked.options.mu > 0))
     throw std::invalid_argument("--pads: what is held is held by friction; --mu should be above 0");
   if (choices.seconds > 0) {
-    const long most = std::max(1l, std::lround(choices.seconds * choices.rate));
+    const long most = frames_of(choices);
     asked.frames = asked.frames > 0 ? std::min(asked.frames, most) : most;
   }
   make_absolute(asked);

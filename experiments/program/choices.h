@@ -19,6 +19,8 @@ struct Choices {
 // Every choice as an option of `app`, and the names of scenes, god objects and motions at the end of its help.
 void add_choices(CLI::App& app, const std::string& command, const std::string& examples, Choices& choices);
 
+// Of `seconds`, at least one.
+long frames_of(const Choices& choices);
 // The record of a run by these choices, once they were read.
 god::Record record_of(const CLI::App& app, const Choices& choices, const std::string& command_line);
 

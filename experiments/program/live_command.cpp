@@ -69,8 +69,7 @@ int live_command(std::vector<std::string> words) {
   const double dt = record.asked.options.dt;
   const auto step = std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(dt));
   const std::atomic<bool>& interrupted = stop_on_interrupt();
-  const long most = choices.seconds > 0 ? std::max(1l, std::lround(choices.seconds * choices.rate))
-                                        : std::numeric_limits<long>::max();
+  const long most = choices.seconds > 0 ? frames_of(choices) : std::numeric_limits<long>::max();
   auto due = Clock::now();
   long frames = 0;
   bool live = false, was_late = false;
@@ -89,7 +88,7 @@ int live_command(std::vector<std::string> words) {
     if (now <= due) std::this_thread::sleep_until(due);
     if (now - due > std::chrono::milliseconds(100)) due = now;  // what is lost is not caught up with
   }
-  std::printf("%s at %s Hz, %s late: %s took longer than %s, %s came after such a one, for %s the processor was busy\n",
+  std::printf("%s at %s Hz, %s late: %s took longer than %s, %s came after a late one, for %s the processor was busy\n",
               counted(frames, "frame").c_str(), grouped(std::lround(choices.rate)).c_str(), grouped(late.all()).c_str(),
               grouped(late.slow).c_str(), god::milliseconds(dt).c_str(), grouped(late.behind).c_str(),
               grouped(late.waited).c_str());

@@ -138,10 +138,13 @@ void Promise::judge(const Problem& problem, const SolveOptions& options, Solutio
   if (!std::isfinite(bound.relative)) return;
   program_->write(problem, v_, y_, scratch_);
   const auto length = [&](const Vector& x) { return std::sqrt(std::max(0.0, x.dot(problem.M * x))); };
-  const double far = length(scratch_.z - solution.z), motion = std::max(length(problem.z_u), length(solution.z));
-  const double apart = far > 0 ? far / motion : 0;
+  const double far = length(scratch_.z - solution.z), free = length(problem.z_u), step = length(solution.z);
+  const double apart = far > 0 ? far / std::max(free, step) : 0;
   if (!program_->law().lifts()) {
-    solution.error_bound = bound.relative + apart;
+    // max(free, |z*|) >= max(free, step - both errors); the first is at most this share of it.
+    const double motion = std::max(free, (step - far) / (1 + bound.relative));
+    const double most = far > 0 ? bound.relative + far / motion : bound.relative;
+    if (std::isfinite(most)) solution.error_bound = most;
   } else if (apart <= accepted_error(options.tolerance)) {
     solution.z = scratch_.z;
     solution.lambda = scratch_.lambda;

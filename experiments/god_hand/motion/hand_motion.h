@@ -16,7 +16,8 @@ struct Target {
   std::vector<double> hinges = {};
 };
 
-inline bool is_finite(const Pose<double>& pose) { return pose.position.allFinite() && pose.rotation.allFinite(); }
+// Finite, and not beyond any world: from 1e17 m no hand finds back.
+inline bool is_usable(const Pose<double>& pose) { return pose.position.norm() <= 1e6 && pose.rotation.allFinite(); }
 
 // A share of the way between two: the palm along the screw from one to the next, angles linearly.
 Target part_of_way(const Target& from, const Target& to, double share);

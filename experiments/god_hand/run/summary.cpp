@@ -25,7 +25,7 @@ std::string tally(const std::map<std::string, long>& counts) {
 }
 
 bool finite(const Frame& frame) {
-  return std::ranges::all_of(frame.god, is_finite) && std::ranges::all_of(frame.loose, is_finite);
+  return std::ranges::all_of(frame.god, is_usable) && std::ranges::all_of(frame.loose, is_usable);
 }
 
 }  // namespace

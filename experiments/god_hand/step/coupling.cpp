@@ -165,7 +165,7 @@ void Coupling::cap(const Of& of, double most, const Shrink& shrink) {
     for (const Push& p : pushes_)
       if (same(p)) sum += of(p);
     const double over = sum.norm() / most;
-    if (over <= 1) continue;
+    if (!(over > 1)) continue;
     for (Push& p : pushes_)
       if (same(p)) shrink(p, over);
   }

@@ -10,6 +10,7 @@
 #include <cerrno>
 #include <chrono>
 #include <cstring>
+#include <filesystem>
 #include <stdexcept>
 
 #include <zwang/core/problem/wording.h>
@@ -77,7 +78,7 @@ void Stream::listen_at(const std::string& path) {
   const int answer = connect(probe, at, sizeof address), error = errno;
   close(probe);
   if (answer == 0) fail(name, "another program listens there");
-  if (error == ECONNREFUSED) unlink(path.c_str());
+  if (error == ECONNREFUSED && std::filesystem::is_socket(path)) unlink(path.c_str());
   local_ = socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
   if (local_ < 0 || bind(local_, at, sizeof address) != 0 || listen(local_, 16) != 0) fail(name, std::strerror(errno));
   where_ = path_ = path;

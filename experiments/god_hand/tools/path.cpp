@@ -34,7 +34,7 @@ std::optional<HandMotion> read_path(const std::filesystem::path& file, const Too
     const Eigen::Quaterniond q(value(4), value(5), value(6), value(7));
     target.palm = {{value(1), value(2), value(3)}, q.normalized().toRotationMatrix()};
     if (close) target.angles[Tool::closing] = row.values[*close];
-    target.tracked = is_finite(target.palm) && q.norm() > 0.5 && std::isfinite(target.angles[Tool::closing]);
+    target.tracked = is_usable(target.palm) && q.norm() > 0.5 && std::isfinite(target.angles[Tool::closing]);
     for (const auto& hinge : hinges) {
       target.hinges.push_back(hinge ? row.values[*hinge] : std::numeric_limits<double>::quiet_NaN());
       target.tracked = target.tracked && (!hinge || std::isfinite(target.hinges.back()));

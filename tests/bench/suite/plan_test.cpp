@@ -13,7 +13,8 @@ namespace zwang {
 namespace {
 
 TEST(Plan, SplitsSolversAndKeepsSettingsWithTheirSolver) {
-  EXPECT_EQ(split_solvers("a,b:key=1,other=2,c"), (std::vector<std::string>{"a", "b:key=1,other=2", "c"}));
+  EXPECT_EQ(split_solvers("a,b:key=1,other=2,c,a,b:key=1,other=2"),
+            (std::vector<std::string>{"a", "b:key=1,other=2", "c"}));
 }
 
 TEST(Plan, RunsToleranceFromLooseToTightOnce) {
@@ -77,8 +78,7 @@ TEST(Plan, ProblemsOfOneNameAreToldApart) {
   options.scenes = "tower(boxes=2),tower(boxes=2),ROD,tower(boxes=2)";
   std::vector<std::string> names;
   for (const Instance& i : make_plan(options, tests::all).instances) names.push_back(i.problem.name);
-  EXPECT_EQ(names,
-            (std::vector<std::string>{"tower(boxes=2)", "tower(boxes=2) (2)", "ROD", "tower(boxes=2) (3)"}));
+  EXPECT_EQ(names, (std::vector<std::string>{"tower(boxes=2)", "tower(boxes=2) (2)", "ROD", "tower(boxes=2) (3)"}));
 }
 
 TEST(Plan, AbsentSolversAreNamedInOneLine) {

@@ -214,6 +214,14 @@ TEST_F(TwoBodies, WrongUseThrowsAndSaysTheSizes) {
   EXPECT_THROW(scene.add(BallJoint{{a, 7}}), std::invalid_argument);
 }
 
+// What is no optional member of a constraint, but looks like one.
+struct AllButSoft {
+  double compliance();
+};
+struct Hard {};
+static_assert(!requires { &Beside<AllButSoft>::compliance; } && requires { &Beside<AllButSoft>::jacobian; });
+static_assert(requires { &Beside<Hard>::compliance; } && require_optional_members<BallJoint>());
+
 TEST_F(TwoBodies, ACopiedSceneAssemblesToTheSameProblem) {
   assembler.assemble(scene, z_u, {}, problem);
   Scene copy = scene;

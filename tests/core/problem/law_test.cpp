@@ -138,11 +138,41 @@ TEST(Law, AContactIsOneIsland) {
 // A solver that reads no tangent rows never sees one.
 struct ReadsNone {
   static constexpr std::string_view name = "reads_none";
-  void solve(const Problem&, const SolveOptions&, Solution& out) { out.status = Status::solved; }
+  void solve(const Problem& p, const SolveOptions&, Solution& out) {
+    out.reset(p.size(), p.rows());
+    out.status = Status::solved;
+  }
 };
 struct ReadsConvex : ReadsNone {
   static constexpr std::array laws{Law::convex};
 };
+
+// Answers with z and lambda of these sizes, full of one number.
+struct AnswersWith {
+  static constexpr std::string_view name = "answers_with";
+  Index n, m;
+  double entry;
+  void solve(const Problem&, const SolveOptions&, Solution& out) {
+    out.z.setConstant(n, entry);
+    out.lambda.setConstant(m, entry);
+    out.status = Status::solved;
+  }
+};
+
+TEST(Solver, AnAnswerOfAnotherSizeOrBeyondDoublesIsNone) {
+  const Problem p = under(Law::frictionless, block(0.5));
+  const Index n = p.size(), m = p.rows();
+  const auto message = [&](Index z, Index lambda, double entry) {
+    AnySolver solver = AnswersWith{z, lambda, entry};
+    const Solution s = solver.solve(p);
+    return s.status == Status::solved ? "solved" : s.message;
+  };
+  EXPECT_EQ(message(n, m, 1), "solved");
+  EXPECT_EQ(message(n, 0, 1), "solved");
+  EXPECT_EQ(message(n + 1, m, 1), "z has 4 entries, expected 3");
+  EXPECT_EQ(message(n, m + 3, 1), "lambda has 4 entries, expected 1");
+  EXPECT_EQ(message(n, m, infinity), "z holds a number that does not fit doubles");
+}
 
 TEST(Law, SolversSeeTheLawsTheyRead) {
   AnySolver none = ReadsNone{}, convex = ReadsConvex{};

@@ -29,7 +29,7 @@ with tempfile.TemporaryDirectory() as folder:
     dies.communicate()
 
     assert live.returncode == 0, errors
-    late = re.search(r"^2,000 frames at 500 Hz, ([\d,]+) late: ([\d,]+) took longer than 2 ms, ([\d,]+) came after such a one, "
+    late = re.search(r"^2,000 frames at 500 Hz, ([\d,]+) late: ([\d,]+) took longer than 2 ms, ([\d,]+) came after a late one, "
                      r"for ([\d,]+) the processor was busy$", out, re.M)
     counts = [int(n.replace(",", "")) for n in late.groups()]
     assert counts[0] == sum(counts[1:]), out
