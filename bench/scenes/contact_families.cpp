@@ -75,9 +75,7 @@ Instance many_on_a_face(const Knobs& knobs) {
     const bool corner = i < 4;
     const double x = corner ? (i % 2 ? 1 : -1) : draw.integer(-255, 255) / 256.;
     const double y = corner ? (i / 2 ? 1 : -1) : draw.integer(-255, 255) / 256.;
-    const auto row_of = [&](const Vec3& way) { return point_row(6, 0, Vec3(x, y, 0), {}, way); };
-    rows.add_contact(row_of(Vec3::UnitZ()), 0, std::to_string(i + 1));
-    rows.add_slip(Vec3::UnitZ(), row_of);
+    rows.add_contact(Vec3::UnitZ(), 0, Vec3(x, y, 0), {}, 0, std::to_string(i + 1));
     if (corner) lambda[i] = (g_dyadic - .09375 * x - .1875 * y) / 4;
   }
   return rows.finish({.z = z, .lambda = lambda, .method = "closed form"});
@@ -91,9 +89,7 @@ Instance many_tilted(const Knobs& knobs) {
   for (Index i = 0; i < contacts; ++i) {
     const Vec3 point = draw.integers(3, 256) / 256, tilt = draw.integers(3, 32) / 64;
     const Vec3 normal(tilt.x(), tilt.y(), 1);
-    const auto row_of = [&](const Vec3& way) { return point_row(6, 0, point, {}, way); };
-    rows.add_contact(row_of(normal), -draw.integer(0, 128) / 1024., std::to_string(i + 1));
-    rows.add_slip(normal, row_of);
+    rows.add_contact(normal, 0, point, {}, -draw.integer(0, 128) / 1024., std::to_string(i + 1));
   }
   return rows.finish();
 }
@@ -102,7 +98,7 @@ Instance many_tilted(const Knobs& knobs) {
 // 0, and all heights are +-2^-k. From frame to frame each corner changes its sign with probability 1/8, so that rows
 // come and go while c hardly moves. Keys stay with the corners.
 Instance flipping_stack(const Knobs& knobs) {
-  constexpr Index boxes = 10, n = 6 * boxes;
+  constexpr Index boxes = 10;
   const double height = small(knobs);
   Draw draw(knobs.at("seed"));
   std::array<bool, 4 * boxes> touches{};
@@ -115,10 +111,8 @@ Instance flipping_stack(const Knobs& knobs) {
     if (!touches[at(i)]) continue;
     const Index box = i / 4, corner = i % 4;
     const Vec3 p = box_corner(corner);
-    const auto row_of = [&](const Vec3& way) { return point_row(n, box, p, p + Vec3::UnitZ(), way); };
-    rows.add_contact(row_of(Vec3::UnitZ()), height, numbered("box ", box) + ", corner " + std::to_string(corner),
-                     static_cast<std::uint64_t>(i) + 1);
-    rows.add_slip(Vec3::UnitZ(), row_of);
+    rows.add_contact(Vec3::UnitZ(), box, p, p + Vec3::UnitZ(), height,
+                     numbered("box ", box) + ", corner " + std::to_string(corner), static_cast<std::uint64_t>(i) + 1);
   }
   return rows.finish();
 }

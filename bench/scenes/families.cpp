@@ -47,9 +47,7 @@ Instance mass_ratio(const Knobs& knobs) {
     for (int corner = 0; corner < 4; ++corner) {
       const Vec3 p = box_corner(corner);
       lambda[4 * i + corner] = g * (top + static_cast<double>(boxes - 1 - i)) / 4;
-      const auto row_of = [&](const Vec3& way) { return point_row(6 * boxes, i, p, p + Vec3::UnitZ(), way); };
-      rows.add_contact(row_of(Vec3::UnitZ()), 0, label + ", corner " + std::to_string(corner));
-      rows.add_slip(Vec3::UnitZ(), row_of);
+      rows.add_contact(Vec3::UnitZ(), i, p, p + Vec3::UnitZ(), 0, label + ", corner " + std::to_string(corner));
     }
   }
   return rows.finish(at_rest(top, 6 * boxes, lambda));

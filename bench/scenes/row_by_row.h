@@ -52,10 +52,14 @@ class RowByRow {
   void add_contact(const Vector& row, double c, const std::string& label, std::uint64_t key = 0) {
     add(RowKind::inequality, row, c, "contact/" + label, key);
   }
-  // The last contact slips along two tangents of its normal, as long as that, where there is friction: row_of(t) is the
-  // row of a tangent.
-  template <class RowOf>
-  void add_slip(const Vec3& normal, const RowOf& row_of) {
+  // Of a point of the body with one of the body before it, body 0 with the ground. It slips along two tangents of its
+  // normal, as long as that, where there is friction.
+  void add_contact(const Vec3& normal, Index body, const Vec3& point, const Vec3& point_before, double c,
+                   const std::string& label, std::uint64_t key = 0) {
+    const auto row_of = [&, n = instance_.problem.z_u.size()](const Vec3& way) {
+      return point_row(n, body, point, point_before, way);
+    };
+    add_contact(row_of(normal), c, label, key);
     if (mu_ == 0) return;
     const double length = normal.norm();
     const Mat3 frame = contact_frame(normal / length);

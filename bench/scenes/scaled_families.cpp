@@ -12,10 +12,11 @@ namespace {
 // Well-conditioned; the families below scale it. Its truth is a reference's.
 struct ChainOfFour {
   static constexpr Index bodies = 4, n = 6 * bodies, joints = 3 * bodies, contacts = 2 * bodies;
+  Draw draw;
   Vector mass = Vector(n), z_u, c;
   Matrix J = Matrix::Zero(joints + contacts, n);
 
-  explicit ChainOfFour(Draw& draw) {
+  explicit ChainOfFour(const Knobs& knobs) : draw(knobs.at("seed")) {
     z_u = draw.eighths(n, 32);
     c = draw.eighths(joints + contacts, 8);
     for (Index b = 0; b < bodies; ++b) {
@@ -50,8 +51,7 @@ double scale(const Knobs& knobs) { return std::exp2(knobs.at("k")); }
 
 // Lengths in units of 2^-k m: translations, levers and offsets grow, inertias with the square.
 Instance length_unit(const Knobs& knobs) {
-  Draw draw(knobs.at("seed"));
-  ChainOfFour chain(draw);
+  ChainOfFour chain(knobs);
   const double s = scale(knobs);
   chain.c *= s;
   for (Index b = 0; b < ChainOfFour::bodies; ++b) {
@@ -65,8 +65,7 @@ Instance length_unit(const Knobs& knobs) {
 // Equality row 1 and contact rows 0 and 3 times 2^k, their c with them: the same problem. zero: one more row without
 // entries, 1: 0 >= 0, 2: 0 >= 2^-40 (infeasible), 3: 0 >= -2^-40.
 Instance row_scale(const Knobs& knobs) {
-  Draw draw(knobs.at("seed"));
-  ChainOfFour chain(draw);
+  ChainOfFour chain(knobs);
   for (const Index i : {Index{1}, ChainOfFour::joints, ChainOfFour::joints + 3}) {
     chain.J.row(i) *= scale(knobs);
     chain.c[i] *= scale(knobs);
@@ -83,17 +82,15 @@ Instance row_scale(const Knobs& knobs) {
 
 // c times 2^k: the rows require motions far larger than the free one.
 Instance huge_offsets(const Knobs& knobs) {
-  Draw draw(knobs.at("seed"));
-  ChainOfFour chain(draw);
+  ChainOfFour chain(knobs);
   chain.c *= scale(knobs);
   return chain.rows().finish();
 }
 
 // One inertia axis of each body divided by 2^k: needles.
 Instance thin_bodies(const Knobs& knobs) {
-  Draw draw(knobs.at("seed"));
-  ChainOfFour chain(draw);
-  for (Index b = 0; b < ChainOfFour::bodies; ++b) chain.mass[6 * b + 3 + draw.integer(0, 2)] /= scale(knobs);
+  ChainOfFour chain(knobs);
+  for (Index b = 0; b < ChainOfFour::bodies; ++b) chain.mass[6 * b + 3 + chain.draw.integer(0, 2)] /= scale(knobs);
   return chain.rows().finish();
 }
 
