@@ -40,10 +40,10 @@ static bool implied(const Touch& t, const Touch& top) {
 // near its own: one pass per cluster, no sorting. Kept of a cluster: the closest touch, the farthest from it, the
 // farthest from the line through both, and the farthest on the other side of that line.
 void Manifold::reduce_one(std::span<const Touch> touches, std::uint32_t first, std::uint32_t end) {
-  const double near = std::cos(options_.cone);
+  const double near = std::cos(cone);
   left_.resize(end - first);
   for (std::uint32_t i = first; i < end; ++i) left_[i - first] = i;
-  for (int c = 0; c < options_.clusters && !left_.empty(); ++c) {
+  for (int c = 0; c < clusters && !left_.empty(); ++c) {
     std::uint32_t closest = left_.front();
     for (const std::uint32_t i : left_)
       if (touches[i].gap < touches[closest].gap - tie) closest = i;
@@ -61,7 +61,7 @@ void Manifold::reduce_one(std::span<const Touch> touches, std::uint32_t first, s
 }
 
 void Manifold::keep_corners(std::span<const Touch> touches, std::uint32_t closest) {
-  int left = options_.per_cluster;
+  int left = per_cluster_;
   // The member for which `score` is largest, when it is larger than 0.
   const auto take = [&](auto score) {
     if (left == 0) return closest;

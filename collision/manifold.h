@@ -7,19 +7,15 @@
 
 namespace zwang::collision {
 
-// Touches of a body on the same partner whose normals are within `cone` of each other form a cluster, of which the
-// closest point and the ones farthest apart are kept.
-struct ReduceOptions {
-  double cone = 0.26179938779914941;  // rad (15 degrees)
-  int per_cluster = 4;
-  int clusters = 8;  // per collider a; those with the smallest gaps
-};
-
 // Reduces the touches to a few, and adds back those that a solution turns out to violate. Works on indices into the
 // list of touches. No allocation once its lists have grown.
 class Manifold {
  public:
-  explicit Manifold(ReduceOptions options = {}) : options_(options) {}
+  // Touches of a body on the same partner whose normals are within `cone` of each other form a cluster, of which the
+  // closest point and the ones farthest apart are kept, `per_cluster` at most.
+  static constexpr double cone = 0.26179938779914941;  // rad (15 degrees)
+  static constexpr int clusters = 8;                   // per collider a; those with the smallest gaps
+  explicit Manifold(int per_cluster = 4) : per_cluster_(per_cluster) {}
 
   // Chooses among `touches` (of World::touches, whose order it relies on: grouped by a).
   // With `all` every touch is kept.
@@ -40,7 +36,7 @@ class Manifold {
   void keep_corners(std::span<const Touch> touches, std::uint32_t closest);
   void keep(std::uint32_t touch);
 
-  ReduceOptions options_;
+  int per_cluster_;
   std::vector<std::uint32_t> kept_, left_, members_;
   std::vector<char> is_kept_;
 };

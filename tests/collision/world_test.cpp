@@ -150,7 +150,7 @@ TEST(Manifold, KeepsFewWithTheClosestAndSpreadsThem) {
   Vec3 low = Vec3::Constant(1), high = -low;
   for (const std::uint32_t i : manifold.kept())
     if (touches[i].a == 1) {
-      EXPECT_GT(touches[i].normal.z(), std::cos(ReduceOptions{}.cone));
+      EXPECT_GT(touches[i].normal.z(), std::cos(Manifold::cone));
       low = low.cwiseMin(touches[i].point_b);
       high = high.cwiseMax(touches[i].point_b);
     }
@@ -163,7 +163,7 @@ TEST(Manifold, CompletesWithTheMostViolatedAndThenHasNothingToAdd) {
   world.add(tree(meshes::plate({0.3, 0.3, 0.02}, 20000)));
   world.add(Shape::rounded_box({0.08, 0.09, 0.02}, 0.005), at({0, 0, 0.0203}));
   const auto touches = world.touches(2e-3);
-  Manifold manifold({.per_cluster = 1});
+  Manifold manifold(1);
   manifold.reduce(touches);
   ASSERT_EQ(manifold.kept().size(), 1u);
   std::vector<Vec<double, 6>> twist(2, Vec<double, 6>::Zero());
