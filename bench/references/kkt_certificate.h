@@ -131,6 +131,8 @@ class KktCertificate {
                                                                     : "its combination of rows contradicts nothing";
   }
 
+  Scalar norm(const VectorX<Scalar>& v) const { return sqrt(std::max(Scalar(0), Scalar(v.dot(M_ * v)))); }
+
   static constexpr double limit = 1e-40;
 
  private:
@@ -165,7 +167,6 @@ class KktCertificate {
   void add_force(Index i, const Scalar& multiplier, Sums& force) const {
     for (RowMatrix::InnerIterator it(p_.J, i); it; ++it) force.add(it.col(), Scalar(-it.value() * multiplier));
   }
-  Scalar norm(const VectorX<Scalar>& v) const { return sqrt(std::max(Scalar(0), Scalar(v.dot(M_ * v)))); }
   Scalar dual_norm(const Sums& force) const {
     VectorX<Scalar> value = force.value, terms = force.terms;
     forward(value);

@@ -13,19 +13,6 @@ namespace {
 namespace mp = boost::multiprecision;
 using Hundred = mp::number<mp::mpfr_float_backend<100, mp::allocate_stack>, mp::et_off>;
 
-// |z - z*|_M / s of z* and its doubles, with what the certificate leaves open.
-double lost_by_rounding(const Problem& problem, const VectorX<Hundred>& exact, const Vector& z) {
-  const auto squared = [&](const VectorX<Hundred>& v) {
-    Hundred sum(0);
-    for (Index j = 0; j < problem.M.outerSize(); ++j)
-      for (SparseMatrix::InnerIterator it(problem.M, j); it; ++it) sum += v[it.row()] * Hundred(it.value()) * v[j];
-    return sum;
-  };
-  const Hundred lost = squared(exact - z.cast<Hundred>());
-  const Hundred s = std::max(squared(exact), squared(problem.z_u.cast<Hundred>()));
-  return (lost > 0 ? referee::up(static_cast<double>(sqrt(Hundred(lost / s)))) : 0) + KktCertificate<Hundred>::limit;
-}
-
 }  // namespace
 
 std::optional<Reference> multiprecision_reference(const Problem& problem, std::string* why_not) {
@@ -54,7 +41,10 @@ std::optional<Reference> multiprecision_reference(const Problem& problem, std::s
     largest = std::max({largest, Hundred(abs(method.z[j])), Hundred(std::abs(problem.z_u[j]))});
   const Hundred nothing = Hundred(tolerances::hundred_digits) * largest;
   found.z = method.z.unaryExpr([&](const Hundred& z) { return abs(z) > nothing ? static_cast<double>(z) : 0.0; });
-  found.bound = lost_by_rounding(problem, method.z, found.z);
+  // |z - z*|_M / s of z* and its doubles, with what the certificate leaves open.
+  const Hundred lost = certificate.norm(method.z - found.z.cast<Hundred>());
+  const Hundred s = std::max(certificate.norm(method.z), certificate.norm(problem.z_u.cast<Hundred>()));
+  found.bound = (lost > 0 ? referee::up(static_cast<double>(Hundred(lost / s))) : 0) + certificate.limit;
   found.lambda = method.lambda.cast<double>();
   for (Index i = 0; i < problem.rows(); ++i)
     if (!problem.is_equality(i)) found.lambda[i] = std::max(0.0, found.lambda[i]);

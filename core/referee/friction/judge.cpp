@@ -242,8 +242,8 @@ Verdict judge_friction(const Problem& problem, const ScaledProblem& scaled, cons
                        const Reference* reference, double tolerance, Metrics& out) {
   const bool has_lambda = solution.lambda.size() == problem.rows() && solution.lambda.allFinite();
   const bool known = reference && reference->feasible && reference->z.size() == problem.size();
-  const double own_scale = std::max({scaled.norm_of_free_motion(), or_infinity(scaled.norm_of(solution.z)),
-                                     known ? scaled.norm_of(reference->z) : 0, scaled.least_scale()});
+  const double own_scale = scaled.scale_of(
+      std::max(or_infinity(scaled.norm_of(solution.z)), known ? scaled.norm_of(reference->z) : 0));
   if (!std::isfinite(own_scale)) return Verdict::wrong;
   // The squares of all motions vanish beside a row that is 2^500 times as large.
   const bool moves = !problem.z_u.isZero(0) || !solution.z.isZero(0);
