@@ -233,11 +233,9 @@ Mesh parse(const StoredFile& stored, const std::string& kind, const std::string&
 double metres_per(std::string_view unit) {
   constexpr std::array<std::pair<std::string_view, double>, 6> units{
       {{"m", 1}, {"cm", 1e-2}, {"mm", 1e-3}, {"um", 1e-6}, {"in", 0.0254}, {"ft", 0.3048}}};
-  std::vector<std::string> names;
-  for (const auto& [name, metres] : units) {
+  for (const auto& [name, metres] : units)
     if (name == unit) return metres;
-    names.emplace_back(name);
-  }
+  const std::vector<std::string> names = names_of(units, [](const auto& known) { return known.first; });
   throw std::invalid_argument("no unit '" + std::string(unit) + "'" + did_you_mean(std::string(unit), names) +
                               " (m, cm, mm, um, in, ft)");
 }

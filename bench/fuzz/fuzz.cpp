@@ -1,7 +1,6 @@
 #include <zwang/bench/fuzz/fuzz.h>
 
 #include <cmath>
-#include <sstream>
 #include <stdexcept>
 
 #include <zwang/bench/fuzz/frictional_problem.h>
@@ -52,11 +51,7 @@ std::string contradiction(const Problem& p, const Solution& s, const Reference& 
   return metrics.primal <= other_limit ? "" : ", but no z meets the rows";
 }
 
-std::string shown(const char* what, double value) {
-  std::ostringstream text;
-  text << what << " " << value;
-  return text.str();
-}
+std::string shown(const char* what, double value) { return printed("%s %g", what, value); }
 
 }  // namespace
 
@@ -247,12 +242,12 @@ void Fuzzer::from_random_multipliers(std::uint64_t number, const Problem& proble
     const bool same = has_z(cold.status) ? has_z(s.status) && distance(problem, s.z, cold.z) <= warm_limit
                                          : s.status == Status::infeasible;
     if (same) continue;
-    std::ostringstream what;
-    what << "warm start: cold " << to_string(cold.status) << ", warm " << to_string(s.status) << ", z apart by "
-         << distance(problem, s.z, cold.z) << ", from lambda";
+    std::string what = "warm start: cold ";
+    what.append(to_string(cold.status)).append(", warm ").append(to_string(s.status));
+    what += shown(", z apart by", distance(problem, s.z, cold.z)) + ", from lambda";
     for (std::size_t k = 0; k < warm.key.size(); ++k)
-      what << " " << warm.key[k].constraint << ":" << warm.lambda[static_cast<Index>(k)];
-    fault(i, number, what.str(), problem);
+      what += " " + std::to_string(warm.key[k].constraint) + printed(":%g", warm.lambda[static_cast<Index>(k)]);
+    fault(i, number, what, problem);
   }
 }
 

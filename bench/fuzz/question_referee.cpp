@@ -1,7 +1,6 @@
 #include <zwang/bench/fuzz/question_referee.h>
 
 #include <cmath>
-#include <sstream>
 
 #include <zwang/bench/fuzz/frictional_problem.h>
 #include <zwang/bench/fuzz/small_problem.h>
@@ -10,6 +9,7 @@
 #include <zwang/bench/references/reference.h>
 #include <zwang/bench/scenes/dyadic.h>
 #include <zwang/core/problem/law.h>
+#include <zwang/core/problem/wording.h>
 
 namespace zwang {
 namespace {
@@ -135,10 +135,8 @@ void question_referee(std::uint64_t seed, std::uint64_t number, FuzzTally& tally
   const bool none = truth.complete() && truth.solutions().empty();
   const auto say = [&](const std::string& who, const std::string& what, double tolerance, const std::string& how,
                        ExactSolutions::Range error) {
-    std::ostringstream text;
-    text << who << ": " << what << ", T = " << tolerance << ", of " << how << ", off by " << error.low;
-    if (error.high > error.low) text << " to " << error.high;
-    report(text.str(), instance);
+    const std::string off = printed("T = %g, of %s, off by %g", tolerance, how.c_str(), error.low);
+    report(who + ": " + what + ", " + off + (error.high > error.low ? printed(" to %g", error.high) : ""), instance);
   };
 
   // The reference.
@@ -163,10 +161,8 @@ void question_referee(std::uint64_t seed, std::uint64_t number, FuzzTally& tally
       if ((right && error.low * (1 - by_roots) > accepted) || (close && error.low * (1 - by_roots) > near) ||
           (verdict == Verdict::wrong && error.high * (1 + by_roots) <= near))
         say(who, std::string(to_string(verdict)), tolerance, answer.how, error);
-      std::ostringstream range;
-      range << "at least " << least << ", at most " << most;
       if (least * (1 - by_roots) > error.high || most < error.low * (1 - by_roots))
-        say(who, range.str(), tolerance, answer.how, error);
+        say(who, printed("at least %g, at most %g", least, most), tolerance, answer.how, error);
     };
     Solution s;
     s.status = Status::solved;

@@ -3,9 +3,9 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <sstream>
 
 #include <zwang/core/problem/row_writer.h>
+#include <zwang/core/problem/wording.h>
 
 namespace zwang {
 
@@ -163,11 +163,8 @@ Spoilt spoil(Problem problem, std::uint64_t seed) {
   const Index i = p.rows() > 0 ? draw.index(p.rows()) : 0, j = draw.index(p.size());
   out.bad = !std::isfinite(value);
   const auto set = [&](double& entry, const char* name, Index first, Index second) {
-    std::ostringstream what;
-    what << name << first;
-    if (second >= 0) what << ", " << second;
-    what << (second >= 0 ? ") = " : "] = ") << value;
-    out.what = what.str();
+    const std::string place = std::to_string(first) + (second >= 0 ? ", " + std::to_string(second) + ")" : "]");
+    out.what = name + place + printed(" = %g", value);
     entry = value;
   };
   const int way = p.rows() > 0 ? draw.integer(0, 3) : draw.integer(0, 1);

@@ -33,11 +33,8 @@ void require_counted(const Problem& p) {
 }
 
 std::string in_words(const std::vector<ContactMode>& modes) {
+  if (modes.size() <= few_contacts) return joined(names_of(modes, word), " ");
   std::string text;
-  if (modes.size() <= few_contacts) {
-    for (const ContactMode mode : modes) text += (text.empty() ? "" : " ") + std::string(word(mode));
-    return text;
-  }
   for (const ContactMode mode : {ContactMode::stick, ContactMode::slide, ContactMode::open})
     if (const auto count = std::ranges::count(modes, mode); count > 0)
       text += (text.empty() ? "" : ", ") + std::to_string(count) + " " + word(mode);

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 #include <stdexcept>
 
 #include <zwang/bench/scenes/catalog.h>
@@ -29,11 +28,7 @@ double parse_number(const std::string& scene, const std::string& knob, const std
   throw std::invalid_argument("scene '" + scene + "': " + knob + "=" + text + " should be a number");
 }
 
-std::string format(double value) {
-  std::ostringstream text;
-  text << value;
-  return text.str();
-}
+std::string format(double value) { return printed("%g", value); }
 
 struct KnobValues {
   const Knob* knob;

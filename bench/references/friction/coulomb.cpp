@@ -4,8 +4,8 @@
 #include <array>
 #include <cmath>
 #include <random>
-#include <sstream>
 
+#include <zwang/core/problem/wording.h>
 #include <zwang/core/referee/friction/interior_point.h>
 #include <zwang/core/referee/friction/interval_newton.h>
 #include <zwang/core/referee/friction/natural_map.h>
@@ -189,10 +189,8 @@ std::vector<CoulombSolution> coulomb_solutions(const Problem& problem, const Sol
   search.gauss_seidel(options);
   search.mode_choices(options);
   if (search.found.empty()) {
-    std::ostringstream text;
-    text << "no solution was proven";
-    if (std::isfinite(search.nearest)) text << "; the nearest is exact for rows that are off by " << search.nearest;
-    return give_up(text.str());
+    const std::string off = printed("; the nearest is exact for rows that are off by %g", search.nearest);
+    return give_up("no solution was proven" + (std::isfinite(search.nearest) ? off : ""));
   }
   return std::move(search.found);
 }
