@@ -138,7 +138,7 @@ class Model {
   int dimension(const mjContact& c) const {
     if (c.exclude == 0 && c.geom1 >= 0 && c.geom2 >= 0) {
       for (int pair = 0; pair < model_->npair; ++pair)
-        if (model_->pair_geom1[pair] == c.geom1 && model_->pair_geom2[pair] == c.geom2)
+        if (std::minmax(model_->pair_geom1[pair], model_->pair_geom2[pair]) == std::minmax(c.geom1, c.geom2))
           return pair_dim_[static_cast<std::size_t>(pair)];
       const int first = model_->geom_priority[c.geom1], second = model_->geom_priority[c.geom2];
       const int one = condim_[static_cast<std::size_t>(c.geom1)], two = condim_[static_cast<std::size_t>(c.geom2)];

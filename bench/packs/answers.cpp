@@ -73,11 +73,8 @@ Status status_of(const std::string& name) {
 }
 
 // What may stand in a list of solvers.
-bool is_name(const std::string& text) {
-  return !text.empty() && std::ranges::all_of(text, [](char ch) {
-    return std::isalnum(static_cast<unsigned char>(ch)) || std::strchr("_-+.", ch);
-  });
-}
+bool of_name(char ch) { return std::isalnum(static_cast<unsigned char>(ch)) || std::strchr("_-+.", ch); }
+bool is_name(const std::string& text) { return !text.empty() && std::ranges::all_of(text, of_name); }
 
 Answer answer_of(const Json& record, const PackedProblem& problem) {
   Answer answer;
@@ -236,7 +233,11 @@ std::vector<std::string> names_of(std::span<const Answers> contestants) {
   std::vector<std::string> names;
   const auto taken = [&](const std::string& name) { return std::ranges::count(names, name) > 0; };
   for (const Answers& given : contestants) {
-    const std::string name = taken(given.solver) ? given.solver + "@" + given.file.stem().string() : given.solver;
+    if (!is_name(given.solver))
+      throw std::invalid_argument("'" + given.solver + "': a solver's name holds letters, digits and _ - + . alone");
+    std::string place = given.file.stem().string();
+    std::ranges::replace_if(place, std::not_fn(of_name), '_');
+    const std::string name = taken(given.solver) ? given.solver + "@" + place : given.solver;
     if (taken(name)) throw std::invalid_argument("two files of one solver and one name: " + given.file.string());
     names.push_back(name);
   }

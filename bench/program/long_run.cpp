@@ -33,6 +33,8 @@ std::filesystem::path new_directory(const std::string& out, const std::string& r
     if (!resume.empty()) line += "go on with " + resume + " " + report::shell_word(out) + ", or ";
     throw std::invalid_argument(line + "choose another --out");
   }
+  if (std::filesystem::is_directory(out) && !std::filesystem::is_empty(out))
+    throw std::invalid_argument(out + " holds other files: choose a new or empty --out");
   if (!out.empty()) return out;
   const std::time_t now = std::time(nullptr);
   char name[32];

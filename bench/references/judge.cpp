@@ -67,6 +67,7 @@ Judgement judge(const Instance& instance, const Vector& z, const Vector& lambda,
     }
   }
   out.at_least = std::max({out.at_least, m.z_least - rounding, referee::least_error(m.primal) - rounding});
+  if (std::isinf(out.at_least)) out.at_least = 1;  // its square is beyond doubles
   // What contradicts itself proves nothing.
   if (out.at_least > out.at_most) {
     out.verdict = Verdict::undecided;

@@ -61,6 +61,8 @@ std::vector<KnobValues> parse_knobs(const SceneEntry& scene, const std::string& 
       if (found == scene.knobs.end())
         throw std::invalid_argument("scene '" + scene.name + "' has no knob '" + name + "'" +
                                     did_you_mean(name, names_of(scene.knobs, &Knob::name)));
+      if (std::ranges::find(all, &*found, &KnobValues::knob) != all.end())
+        throw std::invalid_argument("scene '" + scene.name + "': knob '" + name + "' is given twice");
       all.push_back({&*found, {}});
       part = part.substr(equal + 1);
     }

@@ -111,6 +111,8 @@ class Reader {
                                 .wrench = force_});
     out.problem.name = root_.has("name") ? root_["name"].text() : file_.stem().string();
     out.family = file_.stem().string();
+    if (const std::string reason = bad_input(out.problem); !reason.empty())
+      throw BadFile(file_.string() + ": " + reason);
     return out;
   }
   WrittenScene written() {

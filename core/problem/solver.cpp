@@ -47,7 +47,7 @@ void AnySolver::solve(const Problem& problem, const SolveOptions& options, Solut
   }
   const bool claims_z = solution.status == Status::solved || solution.status == Status::solved_ill_conditioned;
   const auto refuse_unless = [&](const Vector& x, Index size, const char* name) {
-    if (x.size() == size && x.allFinite()) return;
+    if ((x.size() == size && x.allFinite()) || solution.status == Status::numerical_failure) return;
     solution.status = Status::numerical_failure;
     solution.message = x.size() != size ? printed("%s has %td entries, expected %td", name, x.size(), size)
                                         : std::string(name) + " holds a number that does not fit doubles";

@@ -90,14 +90,14 @@ int simulate_command(std::vector<std::string> words) {
   const god::Finished finished = god::finish(directory, record, setup, progress);
   bar.clear();
   const std::string go_on = "./zwang simulate --resume " + report::shell_word(directory.string());
-  if (!whole)
-    std::printf("Stopped after %s of %s frames; nothing lost. Go on with: %s\n", grouped(frames).c_str(),
-                grouped(record.asked.frames).c_str(), go_on.c_str());
   for (const std::string& line : finished.summary.lines(record)) std::printf("%s\n", line.c_str());
   std::printf("Took %s: steps %s, the rest is the referee, the files and the page\n",
               duration(wall_seconds() - start).c_str(), duration(finished.summary.cost().seconds()).c_str());
   std::printf("Summary: %s\n", (directory / "summary.json").c_str());
   if (!finished.replay.empty()) std::printf("Replay: %s\n", finished.replay.c_str());
+  if (!whole)
+    std::printf("Stopped after %s of %s frames; nothing lost. Go on with: %s\n", grouped(frames).c_str(),
+                grouped(record.asked.frames).c_str(), go_on.c_str());
   return whole ? done : stopped;
 }
 

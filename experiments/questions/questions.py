@@ -658,6 +658,11 @@ Questions:
     chosen = "".join(f" --{key} {number(value) if key == 'seconds' else value}" for key in ("solver", "motion", "parts", "seconds")
                      if (value := getattr(asked, key)))
     asked.solver = asked.solver or "dual_active_set"
+    try:
+        os.makedirs(asked.out, exist_ok=True)
+    except OSError as broken:
+        fail(f"{asked.out}: {broken.strerror}", BAD_FILE)
+    finished = []
     for name in QUESTIONS if asked.NAME == "all" else (asked.NAME,):
         question, paper, answer = QUESTIONS[name]
         print(question, flush=True)
@@ -670,8 +675,9 @@ Questions:
         except Unanswered as ended:
             [code] = ended.args
             if code == STOPPED:
-                print(f"Stopped within '{name}'; what was finished before is in {asked.out}")
+                print(f"Stopped within '{name}'" + (f"; {', '.join(finished)}: in {asked.out}" if finished else "; nothing was finished before"))
             return code
+        finished.append(name)
         print(flush=True)
     return 0
 

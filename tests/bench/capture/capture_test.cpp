@@ -91,6 +91,26 @@ TEST_F(Capture, ContactsHaveTheModelsFrictionWhenAsked) {
   }
 }
 
+// MuJoCo orders a pair's geoms by their bodies, a contact's by their types.
+TEST_F(Capture, APairsOwnDimensionCountsInEitherOrder) {
+  for (const auto& [geoms, pair] : {std::pair("1", "3"), {"3", "1"}}) {
+    write(std::string(R"(<mujoco><worldbody>
+      <body name="A"><freejoint/><geom name="box" type="box" size=".1 .1 .1" mass="2" condim=")") +
+          geoms + R"("/></body><body name="B" pos="0 0 .1999"><freejoint/>
+      <geom name="ball" type="sphere" size=".1" mass="1" condim=")" +
+          geoms + R"("/></body></worldbody><contact><pair geom1="box" geom2="ball" condim=")" + pair +
+          R"(" friction="0.7 0.7 .005 .0001 .0001"/></contact></mujoco>)");
+    int contacts = 0;
+    capture({.model = file, .steps = 1, .friction = true}, [&](int, const Instance& instance) {
+      const Problem& p = instance.problem;
+      ++contacts;
+      EXPECT_EQ(p.rows(), *pair == '3' ? 3 : 1);
+      EXPECT_EQ(p.has_tangents() ? p.mu[0] : 0, *pair == '3' ? 0.7 : 0);
+    });
+    EXPECT_EQ(contacts, 1);
+  }
+}
+
 TEST_F(Capture, KeepsWhatTheFileFormatHolds) {
   write(model);
   const std::filesystem::path stored = own_path("captured.h5");

@@ -84,6 +84,12 @@ def check_judge(problems):
     again = run("judge", "pack", "cone.jsonl", "--out", "judged")
     check("a folder that holds a judgement", again.returncode == 2 and again.stderr.endswith("holds a run already: choose another --out\n"),
           again.stderr)
+    shutil.copy("cone.jsonl", "c,o:ne.jsonl")
+    both = run("judge", "pack", "cone.jsonl", "c,o:ne.jsonl", "--out", "both")
+    check("two files of one solver", both.returncode == 0 and "cone@c_o_ne" in {r["solver"] for r in map(json.loads, open("both/results.jsonl"))},
+          both.stdout + both.stderr)
+    named = run("judge", "pack", "cone.jsonl", "--names", "x:y", "--out", "named")
+    check("no name", named.returncode == 2 and "'x:y': a solver's name holds letters" in named.stderr, named.stderr)
     line = next(line for line in judged.stdout.splitlines() if "claimed falsely" in line)
     answers, *counts, _ = map(int, re.findall(r"\d+", line))
     check("each answer is counted once", answers == sum(counts) and " unsupported" in line, line)

@@ -313,6 +313,10 @@ class Solving(unittest.TestCase):
         self.assertEqual({row["problem"] for row in zwang.bench(given, **once, out=folder)}, {"chain(links=2)", tower.name, "box"})
         with self.assertRaisesRegex(ValueError, "holds a run already: choose another"):
             zwang.bench(tower, **once, out=folder)
+        with self.assertRaisesRegex(ValueError, "holds other files: choose a new or empty --out"):
+            zwang.bench(tower, **once, out=os.path.dirname(folder))
+        with self.assertRaisesRegex(ValueError, "knob 'boxes' is given twice"):
+            zwang.scene("tower(boxes=2,boxes=3)")
         for empty in ({"scenes": []}, {"scenes": ""}, {"solvers": []}, {"tolerances": []}):
             with self.assertRaisesRegex(ValueError, f"{[*empty][0]} is empty"):
                 zwang.bench(**{"scenes": tower, **once, **empty})

@@ -169,8 +169,8 @@ TEST(Solver, AnAnswerOfAnotherSizeOrBeyondDoublesIsNone) {
   };
   EXPECT_EQ(message(n, m, 1), "solved");
   EXPECT_EQ(message(n, 0, 1), "solved");
-  EXPECT_EQ(message(n + 1, m, 1), "z has 4 entries, expected 3");
-  EXPECT_EQ(message(n, m + 3, 1), "lambda has 4 entries, expected 1");
+  EXPECT_EQ(message(n + 1, m, 1), "z has 7 entries, expected 6");
+  EXPECT_EQ(message(n, m + 3, 1), "lambda has 6 entries, expected 3");
   EXPECT_EQ(message(n, m, infinity), "z holds a number that does not fit doubles");
 }
 
