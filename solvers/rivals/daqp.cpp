@@ -29,7 +29,7 @@ void Daqp::solve(const Problem& problem, const SolveOptions& options, Solution& 
     upper.setConstant(program.rows(), DAQP_INF);
     program.warm_multipliers(problem, options.warm_start, warm);
   }
-  write_dense(program, Gt);
+  Gt = program.G().transpose();  // the method's own matrix, not preparation
 
   DAQPProblem qp = {};
   qp.n = static_cast<int>(program.size());

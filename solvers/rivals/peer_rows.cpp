@@ -44,8 +44,6 @@ void RowsApart::join(const Vector& of_E, const Vector& of_F, Vector& lambda) con
   lambda(inequalities) = of_F;
 }
 
-void write_dense(const UnitProgram& program, Matrix& Gt) { Gt = program.G().transpose(); }
-
 void write_infeasible(const Problem& problem, const UnitProgram& program, Vector u, Solution& solution) {
   solution.status = Status::infeasible;
   solution.empty_z();

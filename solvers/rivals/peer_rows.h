@@ -25,9 +25,6 @@ struct RowsApart {
   void join(const Vector& of_E, const Vector& of_F, Vector& lambda) const;
 };
 
-// All of G, row by row: n x k. The method's own matrix, not preparation.
-void write_dense(const UnitProgram& program, Matrix& Gt);
-
 // A library's word that no y meets the rows. Where `u`, the multipliers that it ended with, proves it (with the
 // multipliers of the equality rows that fit best in place of its own, if need be), the certificate is written.
 void write_infeasible(const Problem& problem, const UnitProgram& program, Vector u, Solution& solution);

@@ -32,7 +32,7 @@ void Qpoases::solve(const Problem& problem, const SolveOptions& options, Solutio
     for (Index i = 0; i < k; ++i)
       if (!program.is_equality(i)) upper[i] = peer::INFTY;
   }
-  write_dense(program, Gt);
+  Gt = program.G().transpose();  // the method's own matrix, not preparation
 
   peer::QProblem qp(static_cast<peer::int_t>(n), static_cast<peer::int_t>(k), peer::HST_IDENTITY);
   peer::Options given;
