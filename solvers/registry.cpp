@@ -293,9 +293,8 @@ AnySolver make_solver(std::string_view text, std::span<const SolverEntry> among)
   for (const AbsentSolver& s : absent_solvers())
     if (s.name == name)
       throw std::invalid_argument("solver '" + name + "' is not built in: " + std::string(s.how_to_add));
-  std::vector<std::string> names;
-  for (const SolverEntry& e : among) names.push_back(e.name);
-  throw std::invalid_argument("no solver '" + name + "'" + did_you_mean(name, names) + " (./zwang solvers lists all)");
+  throw std::invalid_argument("no solver '" + name + "'" + did_you_mean(name, names_of(among, &SolverEntry::name)) +
+                              " (./zwang solvers lists all)");
 }
 
 }  // namespace zwang

@@ -52,11 +52,9 @@ void read_settings(std::string_view solver, std::string_view text, std::span<con
     const auto equal = part.find('=');
     const std::string key = part.substr(0, equal), value = equal == std::string::npos ? "on" : part.substr(equal + 1);
     const auto found = std::ranges::find(known, key, &SettingInfo::name);
-    if (found == known.end()) {
-      std::vector<std::string> names;
-      for (const SettingInfo& s : known) names.push_back(s.name);
-      throw std::invalid_argument(whose + " has no setting '" + key + "'" + did_you_mean(key, names));
-    }
+    if (found == known.end())
+      throw std::invalid_argument(whose + " has no setting '" + key + "'" +
+                                  did_you_mean(key, names_of(known, &SettingInfo::name)));
     try {
       set(found - known.begin(), value);
     } catch (const std::invalid_argument& expected) {

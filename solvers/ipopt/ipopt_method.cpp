@@ -1,8 +1,8 @@
 #include <zwang/solvers/ipopt/ipopt_method.h>
 
 #include <algorithm>
-#include <sstream>
 
+#include <zwang/core/problem/wording.h>
 #include <zwang/solvers/finish/farkas.h>
 #include <zwang/solvers/ipopt/ipopt_session.h>
 #include <zwang/solvers/linalg/tolerances.h>
@@ -64,9 +64,7 @@ void judge(const Problem& problem, const UnitProgram& program, const IpoptAnswer
   } else if (Vector u; certificate(program, answer.y, answer.lambda, u)) {
     write_proof(problem, program, u, solution);
   } else if (answer.claims_success) {
-    std::ostringstream text;
-    text << ", but its KKT residual is " << residual;
-    solution.message += text.str();
+    solution.message += printed(", but its KKT residual is %g", residual);
   }
 }
 

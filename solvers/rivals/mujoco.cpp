@@ -8,6 +8,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include <zwang/core/problem/wording.h>
 #include <zwang/solvers/linalg/tolerances.h>
 #include <zwang/solvers/rivals/peer_rows.h>
 
@@ -157,9 +158,7 @@ void MujocoNewton::solve(const Problem& problem, const SolveOptions& options, So
   program.write(problem, y, lambda, solution);
   if (solution.status != Status::solved) return;
   const double residual = program.kkt_residual(y, lambda);
-  std::ostringstream text;
-  text << "MuJoCo: converged; its soft rows give way by " << residual << " of the motion";
-  solution.message = text.str();
+  solution.message = printed("MuJoCo: converged; its soft rows give way by %g of the motion", residual);
   if (!(residual <= std::max(claimed_part * options.tolerance, tolerances::kkt_floor)))
     solution.status = Status::iteration_limit;
 }

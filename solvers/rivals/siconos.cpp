@@ -13,7 +13,8 @@
 #include <limits>
 #include <memory>
 #include <new>
-#include <sstream>
+
+#include <zwang/core/problem/wording.h>
 
 // OpenBLAS' own threads would make small solves slower, and answers differ from run to run.
 extern "C" void openblas_set_num_threads(int count) __attribute__((weak));
@@ -101,9 +102,7 @@ void SiconosWork::judge(int code, const Problem& p, const SolveOptions& options,
   }
   const bool holds = motion.allFinite() && left <= options.tolerance * scale;
   solution.status = holds ? Status::solved : Status::numerical_failure;
-  std::ostringstream text;
-  text << "Siconos: code " << code << ", natural residual " << left / scale;
-  solution.message = text.str();
+  solution.message = printed("Siconos: code %d, natural residual %g", code, left / scale);
   if (!motion.allFinite()) {
     solution.empty_z();
     solution.empty_lambda();
