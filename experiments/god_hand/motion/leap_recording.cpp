@@ -3,7 +3,6 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <sstream>
 
 #include <zwang/core/files/problem_file.h>
 #include <zwang/core/problem/wording.h>
@@ -263,10 +262,8 @@ class Reader {
         if (f.hand) lengths.push_back(f.hand->bone(b / 3, b % 3));
       usual[b] = upper_median(lengths);
       if (usual[b] > 2e-3 && usual[b] < 0.2) continue;
-      std::ostringstream text;
-      text << "a bone of the " << finger_name[b / 3] << " is " << 1e3 * usual[b]
-           << " mm long: millimetres and a hand's bones expected";
-      refuse(text.str());
+      refuse(printed("a bone of the %s is %g mm long: millimetres and a hand's bones expected", finger_name[b / 3],
+                     1e3 * usual[b]));
     }
     for (auto& f : track.frames)
       for (std::size_t b = 0; b < 15 && f.hand; ++b)

@@ -19,9 +19,7 @@ std::string rate(double seconds) { return seconds > 0 ? grouped(std::lround(1 / 
 
 // "1,204 solved, 3 near"
 std::string tally(const std::map<std::string, long>& counts) {
-  std::string all;
-  for (const auto& [name, n] : counts) all += (all.empty() ? "" : ", ") + grouped(n) + " " + name;
-  return all;
+  return joined(names_of(counts, [](const auto& count) { return grouped(count.second) + " " + count.first; }));
 }
 
 bool finite(const Frame& frame) {
