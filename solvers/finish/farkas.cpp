@@ -5,8 +5,8 @@ namespace zwang {
 
 bool proves_infeasible(const UnitProgram& program, Vector& u, Vector& motion) {
   program.project(u);
-  const double gain = program.h().dot(u),
-               rounding = tolerances::proof_rounding * program.h().cwiseProduct(u).lpNorm<1>();
+  const double gain = program.h.dot(u),
+               rounding = tolerances::proof_rounding * program.h.cwiseProduct(u).lpNorm<1>();
   if (!(gain > rounding) || !std::isfinite(gain)) return false;
   program.motion(u, motion);
   return gain >= tolerances::referee_reach * program.reach() * motion.norm();
@@ -28,7 +28,7 @@ void Sharpening::run(const UnitProgram& program, Vector& u) {
   part_.resize(count);
   for (Index j = 0; j < count; ++j) {
     part_[j] = u[support_[at(j)]];
-    for (UnitProgram::Rows::InnerIterator it(program.G(), support_[at(j)]); it; ++it)
+    for (UnitProgram::Rows::InnerIterator it(program.G, support_[at(j)]); it; ++it)
       equations_(j, it.col()) = it.value();
   }
   qr_.reset(count, n);

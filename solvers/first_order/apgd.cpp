@@ -16,7 +16,7 @@ double largest_eigenvalue(const UnitProgram& program, int rounds, Vector& lambda
     lambda /= lambda.norm();
     program.motion(lambda, y);
     eigenvalue = std::max(eigenvalue, y.squaredNorm());
-    lambda.noalias() = program.G() * y;
+    lambda.noalias() = program.G * y;
   }
   return eigenvalue;
 }

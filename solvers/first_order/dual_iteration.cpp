@@ -86,7 +86,7 @@ void DualIteration::end() {
 double DualIteration::price() const {
   if (!looks_) return 0;
   constexpr double sweeps = 40, pair = 4, lanes = 8, outside = 50000, entry = 100;
-  const auto k = static_cast<double>((lambda.array() > 0).count()), g = static_cast<double>(program.G().nonZeros());
+  const auto k = static_cast<double>((lambda.array() > 0).count()), g = static_cast<double>(program.G.nonZeros());
   const double own = sweeps * g + k * k * (pair + k / (6 * lanes));
   return own <= outside + entry * g ? own : 0;
 }
@@ -95,7 +95,7 @@ double DualIteration::price() const {
 // Tried: to exchange rows that are violated then, or pull, as Promise does. No look held that did not without.
 bool DualIteration::move() {
   constexpr int most_passes = 8;
-  const Vector& h = program.h();
+  const Vector& h = program.h;
   const double rounding = tolerances::rank * std::numeric_limits<double>::epsilon() * program.scale(y);
   pushing_.clear();
   for (Index i = 0; i < program.rows(); ++i)
@@ -139,9 +139,9 @@ bool DualIteration::holds(bool moves) {
   motion_.setZero(program.size());
   least_ = 0;
   if (moves && !move()) return false;
-  const Vector& h = program.h();
+  const Vector& h = program.h;
   constexpr double eps = std::numeric_limits<double>::epsilon();
-  const double length = near_y_.norm(), free = program.free_norm(), tied = program.tied();
+  const double length = near_y_.norm(), free = program.free.norm(), tied = program.factor.tied();
   const double size = std::max(free, length), rounding = eps * std::sqrt(tied) * size,
                hidden = tolerances::rank * rounding;
   double pulled = 0, missed = 0, open = infinity;
@@ -168,7 +168,7 @@ bool DualIteration::holds(bool moves) {
   bound += eps * std::max<double>(tolerances::rank, tolerances::violation * tied) * size;
   looks_ = bound < infinity;
   const double motion = std::max(free, length - free) - bound;
-  if (!(bound <= prover_->enough(motion, program.exponent()))) return false;
+  if (!(bound <= prover_->enough(motion, program.exponent))) return false;
   program.write(*problem_, near_y_, near_lambda_, *solution_);
   solution_->error_bound = relative_bound(bound, length, free);
   solution_->status = Status::solved;

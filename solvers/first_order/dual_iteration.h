@@ -34,7 +34,7 @@ class DualIteration {
  private:
   bool runs_off();
   double work() const {  // so far, in multiplications
-    return 4.0 * solution_->iterations * static_cast<double>(program.G().nonZeros());
+    return 4.0 * solution_->iterations * static_cast<double>(program.G.nonZeros());
   }
   double price() const;
   bool ends_before(double part, double left);

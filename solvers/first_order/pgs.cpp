@@ -13,7 +13,7 @@ void Pgs::solve(const Problem& problem, const SolveOptions& options, Solution& s
     before = y;
     double largest = 0;
     for (Index i = 0; i < program.rows(); ++i) {
-      double updated = lambda[i] + relaxation * (program.h()[i] - program.dot(i, y));
+      double updated = lambda[i] + relaxation * (program.h[i] - program.dot(i, y));
       if (!program.is_equality(i)) updated = std::max(0.0, updated);
       const double step = updated - lambda[i];
       largest = std::max(largest, std::abs(step));

@@ -11,34 +11,21 @@ namespace zwang {
 //   minimize 1/2 |y|^2   subject to  G y = h or >= h;   at the solution y = G' lambda, lambda_I >= 0.
 //
 // Rebuilding it for a problem of the same shape allocates nothing.
-class UnitProgram {
+class UnitProgram : public Whitened {
  public:
-  using Rows = Whitened::Rows;
-
   // Resets the solution. False when the answer is already known, and then written: M not positive definite, a zero
   // row that cannot hold, or no rows at all.
   bool build(const Problem& problem, const SolveOptions& options, Solution& solution);
 
-  Index size() const { return whitened_.size(); }
-  Index rows() const { return whitened_.rows(); }
-  const Rows& G() const { return whitened_.G; }       // k x n
-  const Vector& h() const { return whitened_.h; }     // k
   std::vector<Index> rows_of(bool equalities) const;  // the equality rows, or the inequality rows
   Rows some(const std::vector<Index>& rows) const;    // of G
-  bool is_equality(Index i) const { return whitened_.equality[at(i)] != 0; }
-  Index problem_row(Index i) const { return whitened_.row[at(i)]; }
+  bool is_equality(Index i) const { return equality[at(i)] != 0; }
 
-  double dot(Index i, const Vector& y) const { return whitened_.dot(i, y); }          // g_i . y
-  void add(Index i, double amount, Vector& y) const { whitened_.add(i, amount, y); }  // y += amount g_i
-  void motion(const Vector& lambda, Vector& y) const;                                 // y = G' lambda
-  void slack(const Vector& y, Vector& slack) const;                                   // G y - h
-  void project(Vector& lambda) const;                                                 // inequality rows: max(0, lambda)
-  double scale(const Vector& y) const;  // max(|z_u|_M, |z|_M), in units of sigma
-
-  double free_norm() const { return whitened_.free.norm(); }  // |z_u|_M, likewise
-  int exponent() const { return whitened_.exponent; }         // sigma and the unit of length: 2^exponent
-  double tied() const { return whitened_.factor.tied(); }     // as SparseCholesky's
-  double reach() const;                                       // max(|z_u|_M, worst |h|), likewise
+  void motion(const Vector& lambda, Vector& y) const;  // y = G' lambda
+  void slack(const Vector& y, Vector& slack) const;    // G y - h
+  void project(Vector& lambda) const;                  // inequality rows: max(0, lambda)
+  double scale(const Vector& y) const;                 // max(|z_u|_M, |z|_M), in units of sigma
+  double reach() const;                                // max(|z_u|_M, worst |h|), likewise
   // Worst |slack_i| (equality) or |min(lambda_i, slack_i)| (inequality) over scale(y): violation, sign and
   // complementarity in one, without the square root that lambda_i slack_i hides.
   double natural_residual(const Vector& y, const Vector& lambda) const;
@@ -54,7 +41,6 @@ class UnitProgram {
   void write_certificate(const Problem& problem, const Vector& u, Solution& solution) const;
 
  private:
-  Whitened whitened_;  // h, free and the exponent in units of sigma
   WarmRows warm_rows_;
   double sigma_ = 1;
 };

@@ -35,7 +35,7 @@ bool choose_rows(const Problem& problem, const UnitProgram& program, EqualityRow
   }
   for (const Index i : equalities.dropped()) {
     std::erase(rows, i);
-    solution.redundant.push_back(program.problem_row(i));
+    solution.redundant.push_back(program.row[at(i)]);
   }
   return true;
 }
@@ -157,7 +157,7 @@ void IpoptMethod::solve(const Problem& problem, const SolveOptions& options, Sol
     return all;
   };
   question.G = program.some(rows);
-  question.h = program.h()(rows);
+  question.h = program.h(rows);
   for (const Index i : rows) question.equality.push_back(program.is_equality(i));
   question.residual = [&](const Vector& y, const Vector& multipliers) {
     return program.kkt_residual(y, of_all(multipliers));

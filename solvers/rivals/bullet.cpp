@@ -15,7 +15,7 @@ namespace {
 double lower_limit(const UnitProgram& program, Index i) { return program.is_equality(i) ? -infinity : 0; }
 
 Matrix delassus(const UnitProgram& program, double cfm) {
-  const UnitProgram::Rows S = program.G() * program.G().transpose();
+  const UnitProgram::Rows S = program.G * program.G.transpose();
   Matrix dense(S);
   dense.diagonal().array() += cfm;
   return dense;
@@ -37,7 +37,7 @@ void BulletDantzig::solve(const Problem& problem, const SolveOptions& options, S
   const Index k = program.rows();
   Vector lambda = Vector::Zero(k);
   Matrix A = delassus(program, cfm);
-  Vector b = program.h(), w = Vector::Zero(k), low(k), high = Vector::Constant(k, infinity);
+  Vector b = program.h, w = Vector::Zero(k), low(k), high = Vector::Constant(k, infinity);
   for (Index i = 0; i < k; ++i) low[i] = lower_limit(program, i);
   std::vector<int> dependency(at(k), -1);
   btDantzigScratchMemory scratch;
@@ -62,7 +62,7 @@ void BulletPgs::solve(const Problem& problem, const SolveOptions& options, Solut
   btVectorXu b(size), x(size), low(size), high(size);
   const Matrix S = delassus(program, cfm);
   for (int i = 0; i < size; ++i) {
-    b[i] = program.h()[i];
+    b[i] = program.h[i];
     x[i] = lambda[i];
     low[i] = lower_limit(program, i);
     high[i] = infinity;

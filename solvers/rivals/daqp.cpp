@@ -25,11 +25,11 @@ void Daqp::solve(const Problem& problem, const SolveOptions& options, Solution& 
   Vector warm;
   {
     const Preparation preparing;
-    lower = program.h();
+    lower = program.h;
     upper.setConstant(program.rows(), DAQP_INF);
     program.warm_multipliers(problem, options.warm_start, warm);
   }
-  Gt = program.G().transpose();  // the method's own matrix, not preparation
+  Gt = program.G.transpose();  // the method's own matrix, not preparation
 
   DAQPProblem qp = {};
   qp.n = static_cast<int>(program.size());

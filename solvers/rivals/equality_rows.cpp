@@ -44,7 +44,7 @@ bool EqualityRows::conflict(const UnitProgram& program, Vector& u) const {
     u.setZero(program.rows());
     u[pivoted(rank_ + d)] = 1;
     for (Index j = 0; j < rank_; ++j) u[pivoted(j)] = -combination(j, d);
-    if (program.h().dot(u) < 0) u = -u;
+    if (program.h.dot(u) < 0) u = -u;
     if (proves_infeasible(program, u, motion)) return true;
   }
   return false;
@@ -53,7 +53,7 @@ bool EqualityRows::conflict(const UnitProgram& program, Vector& u) const {
 Vector EqualityRows::shortest(const UnitProgram& program) const {
   Vector y = Vector::Zero(program.size());
   if (rank_ == 0) return y;
-  for (Index j = 0; j < rank_; ++j) y[j] = program.h()[pivoted(j)];
+  for (Index j = 0; j < rank_; ++j) y[j] = program.h[pivoted(j)];
   const auto R = qr_.matrixQR().topLeftCorner(rank_, rank_).triangularView<Eigen::Upper>();
   y.head(rank_) = Vector(R.transpose().solve(y.head(rank_)));
   y.applyOnTheLeft(qr_.householderQ());

@@ -94,7 +94,7 @@ void MujocoSession::state(const UnitProgram& program, double stiffness, const Ve
     d.efc_type[at] = at < d.ne ? mjCNSTR_EQUALITY : mjCNSTR_CONTACT_FRICTIONLESS;
     d.efc_id[at] = 0;
     d.efc_frictionloss[at] = 0;
-    d.efc_aref[at] = program.h()[order_[static_cast<std::size_t>(at)]];
+    d.efc_aref[at] = program.h[order_[static_cast<std::size_t>(at)]];
     d.efc_D[at] = stiffness;
     d.efc_R[at] = 1 / stiffness;
   }

@@ -57,7 +57,7 @@ struct DenseProgram {
 
 DenseRows dense_rows(const UnitProgram& program, bool equality, const DenseProgram& frame) {
   const std::vector<Index> chosen = program.rows_of(equality);
-  DenseRows rows{.minus_A = RowMajor(-program.some(chosen)), .b = program.h()(chosen)};
+  DenseRows rows{.minus_A = RowMajor(-program.some(chosen)), .b = program.h(chosen)};
   for (Index r = 0; r < std::ssize(chosen); ++r) rows.b[r] -= program.dot(chosen[at(r)], frame.origin);
   if (frame.basis.size()) rows.minus_A = RowMajor(rows.minus_A * frame.basis);
   return rows;
@@ -139,7 +139,7 @@ void Nlopt<method>::solve(const Problem& problem, const SolveOptions& options, S
       solution.message = "equality rows contradict each other, found before NLopt was called";
       return;
     }
-    for (const Index i : equalities.dropped()) solution.redundant.push_back(program.problem_row(i));
+    for (const Index i : equalities.dropped()) solution.redundant.push_back(program.row[at(i)]);
     if (equalities.rank() > 0) {
       dense.origin = equalities.shortest(program);
       dense.basis = equalities.free_motions(program);

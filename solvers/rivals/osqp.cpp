@@ -43,11 +43,11 @@ void Osqp::solve(const Problem& problem, const SolveOptions& options, Solution& 
   SparseMatrix identity(n, n);
   identity.setIdentity();
   std::unique_ptr<Columns> P, A;
-  Vector upper = program.h();
+  Vector upper = program.h;
   {
     const Preparation preparing;
     P = std::make_unique<Columns>(identity);
-    A = std::make_unique<Columns>(SparseMatrix(program.G()));
+    A = std::make_unique<Columns>(SparseMatrix(program.G));
     for (Index i = 0; i < k; ++i)
       if (!program.is_equality(i)) upper[i] = OSQP_INFTY;
   }
@@ -63,7 +63,7 @@ void Osqp::solve(const Problem& problem, const SolveOptions& options, Solution& 
   settings.time_limit = seconds_left(deadline, unlimited);
   const Vector q = Vector::Zero(n);
   OSQPSolver* opened = nullptr;
-  const OSQPInt error = osqp_setup(&opened, &P->view, q.data(), &A->view, program.h().data(), upper.data(),
+  const OSQPInt error = osqp_setup(&opened, &P->view, q.data(), &A->view, program.h.data(), upper.data(),
                                    static_cast<OSQPInt>(k), static_cast<OSQPInt>(n), &settings);
   const std::unique_ptr<OSQPSolver, Cleanup> solver(opened);
   if (error != 0) {

@@ -30,7 +30,7 @@ void RowsApart::build(const UnitProgram& program) {
   inequalities = program.rows_of(false);
   E = program.some(equalities);
   F = program.some(inequalities);
-  part(program.h(), e, f);
+  part(program.h, e, f);
 }
 
 void RowsApart::part(const Vector& lambda, Vector& of_E, Vector& of_F) const {

@@ -24,7 +24,7 @@ void Qpoases::solve(const Problem& problem, const SolveOptions& options, Solutio
   const Deadline deadline(options.time_limit);
   if (!program.build(problem, options, solution)) return;
   const Index n = program.size(), k = program.rows();
-  Vector lambda, y, upper = program.h();
+  Vector lambda, y, upper = program.h;
   {
     const Preparation preparing;
     program.warm_multipliers(problem, options.warm_start, lambda);
@@ -32,7 +32,7 @@ void Qpoases::solve(const Problem& problem, const SolveOptions& options, Solutio
     for (Index i = 0; i < k; ++i)
       if (!program.is_equality(i)) upper[i] = peer::INFTY;
   }
-  Gt = program.G().transpose();  // the method's own matrix, not preparation
+  Gt = program.G.transpose();  // the method's own matrix, not preparation
 
   peer::QProblem qp(static_cast<peer::int_t>(n), static_cast<peer::int_t>(k), peer::HST_IDENTITY);
   peer::Options given;
@@ -48,7 +48,7 @@ void Qpoases::solve(const Problem& problem, const SolveOptions& options, Solutio
   const peer::int_t most_steps = steps;
   double seconds = seconds_left(deadline, unlimited);
   const double most_seconds = seconds;
-  const auto code = qp.init(nullptr, no_cost.data(), Gt.data(), nullptr, nullptr, program.h().data(), upper.data(),
+  const auto code = qp.init(nullptr, no_cost.data(), Gt.data(), nullptr, nullptr, program.h.data(), upper.data(),
                             steps, &seconds, started ? y.data() : nullptr, started ? start.data() : nullptr);
 
   solution.iterations = static_cast<int>(steps);

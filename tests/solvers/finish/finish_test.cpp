@@ -75,7 +75,7 @@ TEST(FinishOfProofs, ARoughProofIsSharpenedToRounding) {
     ASSERT_TRUE(program.build(p, {}, s));
     Vector u(program.rows()), motion;
     for (Index i = 0; i < u.size(); ++i)  // each row of the problem once, a multiple of the unit row
-      u[i] = Vector(p.J.row(program.problem_row(i))).norm();
+      u[i] = Vector(p.J.row(program.row[at(i)])).norm();
     std::mt19937 random(seed);
     for (double& x : u) x *= 1 + 1e-7 * std::uniform_real_distribution<double>(-1, 1)(random);
     program.motion(u, motion);

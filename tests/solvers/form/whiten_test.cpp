@@ -239,11 +239,11 @@ TEST_P(Whitening, ProgramIsTheSameInAnotherUnitOfLength) {
   UnitProgram program;
   Solution s;
   ASSERT_TRUE(w.build(p) && program.build(p, {}, s));
-  EXPECT_EQ(Matrix(program.G()), Matrix(w.G));
+  EXPECT_EQ(Matrix(program.G), Matrix(w.G));
   int exponent = 0;
-  const double ratio = program.h()[0] / w.h[0];
+  const double ratio = program.h[0] / w.h[0];
   EXPECT_EQ(std::frexp(ratio, &exponent), 0.5);
-  EXPECT_EQ(program.h(), Vector(ratio * w.h));
+  EXPECT_EQ(program.h, Vector(ratio * w.h));
   EXPECT_GE(program.reach(), 0.5);
 }
 

@@ -41,7 +41,7 @@ namespace {
 double residual(const UnitProgram& program, const Vector& y, const Vector& lambda) {
   double worst = 0;
   for (Index i = 0; i < program.rows(); ++i) {
-    const double slack = program.dot(i, y) - program.h()[i];
+    const double slack = program.dot(i, y) - program.h[i];
     if (mutant == Mutant::gap_as_residual)
       worst = std::max(worst, std::abs(slack));
     else if (!program.is_equality(i))
