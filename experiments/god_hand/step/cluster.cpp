@@ -423,8 +423,7 @@ void Cluster::commit(double toc, Frame& frame) {
     follow(followed_, objects_.scene.bodies, 1);
     return;
   }
-  const bool straight = way_ == Way::straight || way_ == Way::leg;
-  follow(followed_, objects_.scene.bodies, straight ? 1 : part * share_);
+  follow(followed_, objects_.scene.bodies, unobstructed ? 1 : part * share_);
   frame.came_from(origin_);
   const Lap lap(frame.times.sweep);
   std::ranges::copy(swept_step_, last_step_.begin());
