@@ -36,14 +36,18 @@ def _part(name):
     return importlib.import_module("." + name, __name__)
 
 
+def _real(value):
+    if numpy.iscomplexobj(value):
+        raise ValueError("it has complex entries")
+    return value
+
+
 def _numbers(value, name, size=None):
     """A float64 vector, or one line saying why not."""
     if value is None:
         return numpy.empty(0)
     try:
-        if numpy.iscomplexobj(value):
-            raise ValueError("it has complex entries")
-        array = numpy.array(value, dtype=numpy.float64, order="C")
+        array = numpy.array(_real(value), dtype=numpy.float64, order="C")
     except (TypeError, ValueError) as bad:
         raise ValueError(f"{name} should be a vector of numbers: {bad}") from None
     if array.ndim == 0:
@@ -63,7 +67,7 @@ def _number(value, name):
 
 
 def _whole(value, name, most=2**31 - 1):
-    if not 0 <= _number(value, name) <= most or int(value) != value:
+    if not numpy.isfinite(_number(value, name)) or int(value) != value or not 0 <= int(value) <= most:
         raise ValueError(f"{name} should be a whole number from 0 to {most}: {value!r:.80}")
     return int(value)
 
@@ -72,6 +76,11 @@ def _problem(problem):
     if not isinstance(problem, _zwang.Problem):
         raise TypeError(f"problem should be a zwang.Problem, as scene() and load() make them: {problem!r:.80}")
     return problem
+
+
+def _problems(problems):
+    """One problem or several of them, as a list."""
+    return [_problem(p) for p in (problems if numpy.iterable(problems) and not isinstance(problems, str) else [problems])]
 
 
 def _check_indices(matrix):
@@ -94,9 +103,7 @@ def _matrix(matrix, name, columns, by_rows):
     if matrix is None:
         matrix = kind((0, columns))
     try:
-        if numpy.iscomplexobj(matrix):
-            raise ValueError("it has complex entries")
-        if scipy.sparse.issparse(matrix):
+        if scipy.sparse.issparse(_real(matrix)):
             _check_indices(matrix)
         else:
             matrix = numpy.asarray(matrix, dtype=numpy.float64)
@@ -129,53 +136,74 @@ def _program(P, q, G, h, A, b, lb, ub):
     return parts
 
 
-class Problem(_zwang.Problem):
-    """A problem of least constraint.
-
-    M: n x n, symmetric positive definite (dense or any scipy.sparse format). z_u: n. J: m x n. c: m; -inf on an
-    inequality row bounds nothing. equality: how many of the first rows are equalities, or m booleans. Raises
-    ValueError, with the place, for sizes that do not fit, NaN, an M that is not symmetric or not positive definite.
-
-    Friction: tangent says of each row whether J z - c is a slip of the contact whose inequality row stands before it
-    (one or two a contact); mu, m numbers, is read at inequality rows; law is "coulomb" or "convex" (docs/formulation.md).
-    """
-
-    def __init__(self, M, z_u, J=None, c=None, *, equality=0, tangent=None, mu=None, law=None, name="problem"):
-        z_u = _numbers(z_u, "z_u")
-        c = _numbers(c, "c")
-        mask = numpy.asarray(equality)
-        if mask.ndim == 0:
-            if mask.dtype == bool or not numpy.issubdtype(mask.dtype, numpy.integer) or not 0 <= int(mask) <= len(c):
-                raise ValueError(f"equality should be a number of rows from 0 to {len(c)}, or {len(c)} booleans")
-            mask = numpy.arange(len(c)) < int(mask)
-        if mask.dtype != bool or mask.shape != c.shape:
+def _init(self, M, z_u, J=None, c=None, *, equality=0, tangent=None, mu=None, law=None, name="problem"):
+    z_u = _numbers(z_u, "z_u")
+    c = _numbers(c, "c")
+    mask = numpy.asarray(equality)
+    if mask.ndim == 0:
+        if mask.dtype == bool or not numpy.issubdtype(mask.dtype, numpy.integer) or not 0 <= int(mask) <= len(c):
             raise ValueError(f"equality should be a number of rows from 0 to {len(c)}, or {len(c)} booleans")
-        slips = numpy.zeros(len(c), dtype=bool) if tangent is None else numpy.asarray(tangent)
-        if slips.dtype != bool or slips.shape != c.shape or (slips & mask).any():
-            raise ValueError(f"tangent should be {len(c)} booleans, none of them of an equality row")
-        mu = _numbers(mu, "mu", len(c)) if mu is not None or slips.any() else numpy.empty(0)
-        if mu.size not in (0, len(c)):
-            raise ValueError(f"mu should have {len(c)} entries, one a row, or be one number; it has {mu.size}")
-        if not slips.any() and (mu != 0).any():
-            raise ValueError(f"mu({numpy.flatnonzero(mu != 0)[0]}) is not 0, but there are no tangent rows: tangent=")
-        mu = mu if slips.any() else numpy.empty(0)
-        if law is None:
-            law = "coulomb" if slips.any() else "frictionless"
-        super().__init__(_matrix(M, "M", len(z_u), False), z_u, _matrix(J, "J", len(z_u), True), c, mask, slips,
-                         mu, str(law), str(name))
+        mask = numpy.arange(len(c)) < int(mask)
+    if mask.dtype != bool or mask.shape != c.shape:
+        raise ValueError(f"equality should be a number of rows from 0 to {len(c)}, or {len(c)} booleans")
+    slips = numpy.zeros(len(c), dtype=bool) if tangent is None else numpy.asarray(tangent)
+    if slips.dtype != bool or slips.shape != c.shape or (slips & mask).any():
+        raise ValueError(f"tangent should be {len(c)} booleans, none of them of an equality row")
+    mu = _numbers(mu, "mu", len(c)) if mu is not None or slips.any() else numpy.empty(0)
+    if mu.size not in (0, len(c)):
+        raise ValueError(f"mu should have {len(c)} entries, one a row, or be one number; it has {mu.size}")
+    if not slips.any() and (mu != 0).any():
+        raise ValueError(f"mu({numpy.flatnonzero(mu != 0)[0]}) is not 0, but there are no tangent rows: tangent=")
+    mu = mu if slips.any() else numpy.empty(0)
+    if law is None:
+        law = "coulomb" if slips.any() else "frictionless"
+    _made(self, _matrix(M, "M", len(z_u), False), z_u, _matrix(J, "J", len(z_u), True), c, mask, slips, mu, str(law), str(name))
 
 
-
-_zwang.Problem.reference = property(lambda p: p._reference, doc="what the file or the scene knows to be true, or None")
 def _under(problem, law):
     """The problem under another law: "frictionless" (tangent rows left out), "pyramid" (four facets a contact, a QP),
     "convex" or "coulomb". From the first two there is no way back."""
+    if not isinstance(law, str):
+        raise TypeError(f"law should be frictionless, pyramid, convex or coulomb: {law!r:.80}")
     return problem._under(law)
 
 
-_zwang.Problem.under = _under
-_zwang.Problem.__repr__ = lambda p: f"<zwang.Problem {p.name}: {p.size} unknowns, {p.rows} rows>"
-_zwang.Solution.__repr__ = lambda s: f"<zwang.Solution: {s.status}, {s.iterations} iterations>"
+def _pickled(problem):
+    """As a file holds it; where a scene made it, its bodies are not kept."""
+    with tempfile.TemporaryDirectory() as scratch:
+        file = pathlib.Path(scratch) / "problem.h5"
+        _zwang.save(file, [problem])
+        return _unpickled, (file.read_bytes(),)
+
+
+def _unpickled(held):
+    with tempfile.TemporaryDirectory() as scratch:
+        file = pathlib.Path(scratch) / "problem.h5"
+        file.write_bytes(held)
+        return _zwang.load(file)[0]
+
+
+# The class of all problems, whoever made them: what is Python of it is put into the compiled one.
+Problem = _zwang.Problem
+_made = Problem.__init__
+_init.__name__, _init.__qualname__ = "__init__", "Problem.__init__"
+Problem.__init__, Problem.__module__ = _init, __name__
+Problem.__doc__ = """A problem of least constraint.
+
+M: n x n, symmetric positive definite (dense or any scipy.sparse format). z_u: n. J: m x n. c: m; -inf on an
+inequality row bounds nothing. equality: how many of the first rows are equalities, or m booleans. Raises
+ValueError, with the place, for sizes that do not fit, NaN, an M that is not symmetric or not positive definite.
+
+Friction: tangent says of each row whether J z - c is a slip of the contact whose inequality row stands before it
+(one or two a contact); mu, m numbers, is read at inequality rows; law is "coulomb" or "convex" (docs/formulation.md).
+"""
+Problem.reference = property(lambda p: p._reference, doc="what the file or the scene knows to be true, or None")
+Problem.under = _under
+Problem.__repr__ = lambda p: f"<zwang.Problem {p.name}: {p.size} unknowns, {p.rows} rows>"
+Problem.__reduce__ = _pickled
+Problem.__copy__ = lambda p: p  # nothing of it can be changed
+Problem.__deepcopy__ = lambda p, known: p
+Solution.__repr__ = lambda s: f"<zwang.Solution: {s.status}, {s.iterations} iterations>"
 
 
 def scenes():
@@ -205,7 +233,10 @@ def load(file):
 
 def save(file, problems):
     """Writes one problem or a list of them; every double comes back bit for bit."""
-    _zwang.save(pathlib.Path(file), [problems] if isinstance(problems, _zwang.Problem) else list(problems))
+    listed = _problems(problems)
+    if not listed:
+        raise ValueError(f"{file}: there are no problems to save")
+    _zwang.save(pathlib.Path(file), listed)
 
 
 def solvers():
@@ -279,7 +310,10 @@ def judge_qp(P, q, G=None, h=None, A=None, b=None, lb=None, ub=None, *, x, y=Non
     except _zwang.NotDefinite:
         pass
     from . import semidefinite
-    return semidefinite.judge(*parts, x, _share(tolerance))
+    try:
+        return semidefinite.judge(*parts, x, _share(tolerance))
+    except OverflowError:
+        raise ValueError("the objective is beyond doubles: expected smaller entries of x, or of P, q and the bounds") from None
 
 
 def gradient_of(problem, solution, *, law=None, proof=True):
@@ -330,8 +364,8 @@ def compare_gradients(scenes, *, steps=(1e-3, 1e-5, 1e-7), smoothings=(1e-2, 1e-
     reach, width (of the enclosure), differences {step: error}, soft {smoothing: error}, note (why there is nothing to compare with).
     """
     from . import usual_gradients
-    problems = scene(scenes, seed) if isinstance(scenes, str) else scenes
-    problems = [problems] if isinstance(problems, _zwang.Problem) else problems
+    given = [scenes] if isinstance(scenes, str) or not numpy.iterable(scenes) else scenes
+    problems = [p for one in given for p in _problems(scene(one, seed) if isinstance(one, str) else one)]
     return [usual_gradients.compare(p if law is None else p.under(law), steps, smoothings, seed) for p in problems]
 
 
@@ -357,6 +391,11 @@ def scene_gradient(problem, bars):
 def add_solver(name, function, method="a Python function"):
     """Makes a Python function a solver of that name, for solve() and bench(), in place of an earlier function of that name:
     function(problem, tolerance) returns z, or (z, lambda), or None where it has no answer. It runs in a child process with a deadline."""
+    if not isinstance(name, str):
+        raise TypeError(f"name should be a text: {name!r:.80}")
+    if not callable(function):
+        raise TypeError(f"function should be one of a problem and a tolerance: {function!r:.80}")
+
     def call(problem, tolerance):
         answer = _python_solvers[name](problem, tolerance)
         if answer is None:
@@ -366,7 +405,7 @@ def add_solver(name, function, method="a Python function"):
         z, force = answer if isinstance(answer, tuple) else (answer, None)
         return _numbers(z, "z"), _numbers(force, "lambda")
     if name not in _python_solvers:
-        _zwang.add_solver(name, call, method)
+        _zwang.add_solver(name, call, str(method))
     _python_solvers[name] = function
 
 
@@ -406,10 +445,13 @@ def bench(scenes=None, *, suite="quick", solvers=None, tolerances=None, repetiti
             solver = outside.add(solver.split(":", 1)[1])
         names.append(solver)
     given = [scenes] if isinstance(scenes, (str, _zwang.Problem, pathlib.PurePath)) else [] if scenes is None else list(scenes)
+    if suite == "collision":
+        raise ValueError("the suite collision compares no solvers: ./zwang bench --suite collision runs it")
     problems, files, texts = ([p for p in given if isinstance(p, kind)] for kind in (_zwang.Problem, pathlib.PurePath, str))
     if len(problems) + len(files) + len(texts) != len(given):
         raise TypeError("scenes should be a text, a pathlib.Path, a Problem, or a list of such")
-    wanted = [] if tolerances is None else [float(t) for t in tolerances]
+    several = numpy.iterable(tolerances) and not isinstance(tolerances, str)
+    wanted = [] if tolerances is None else [_number(t, "a tolerance") for t in (tolerances if several else [tolerances])]
     for name, value, found in (("scenes", scenes, ",".join(texts) or problems or files), ("solvers", solvers, ",".join(names)),
                                ("tolerances", tolerances, wanted)):
         if value is not None and not found:

@@ -147,7 +147,7 @@ def gradient(problem: Problem, solution: Solution | Answer, wrt: str | dict[str,
 def judge_gradient(problem: Problem, solution: Solution | Answer, gradient: Matrix | Numbers, wrt: str | dict[str, Matrix | Numbers],
                    direction: Matrix | Numbers | None = None, *, z_bar: Numbers | None = None, law: str | None = None,
                    tolerance: float = 1e-9) -> GradientJudgement: ...
-def compare_gradients(scenes: str | Problem | Iterable[Problem], *, steps: Iterable[float] = (1e-3, 1e-5, 1e-7),
+def compare_gradients(scenes: str | Problem | Iterable[str | Problem], *, steps: Iterable[float] = (1e-3, 1e-5, 1e-7),
                       smoothings: Iterable[float] = (1e-2, 1e-4, 1e-6), law: str | None = None,
                       seed: int = 1) -> list[dict[str, Any]]: ...
 def scene_change(problem: Problem, body: int | None = None, *, pose: Numbers | None = None, velocity: Numbers | None = None,
@@ -156,5 +156,5 @@ def scene_gradient(problem: Problem, bars: dict[str, numpy.ndarray | None]) -> d
 def add_solver(name: str, function: Callable[[Problem, float], Answer], method: str = "a Python function") -> None: ...
 def bench(scenes: str | Path | Problem | Iterable[str | Path | Problem] | None = None, *, suite: str = "quick",
           solvers: str | Callable[[Problem, float], Answer] | Iterable[str | Callable[[Problem, float], Answer]] | None = None,
-          tolerances: Iterable[float] | None = None, repetitions: int = 0, seed: int = 1,
+          tolerances: float | Iterable[float] | None = None, repetitions: int = 0, seed: int = 1,
           law: str | None = None, out: str | Path | None = None, progress: bool = False) -> list[dict[str, Any]]: ...

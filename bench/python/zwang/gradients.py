@@ -9,7 +9,7 @@ import math
 import numpy
 import scipy.sparse
 
-from . import _part
+from . import _part, _real
 from .complementarity import Complementarity
 from .enclosure import EPSILON, UP, Regular, Rows, Unproven
 from .modes import HELD, OPEN, Branch, Parts, Settled, length
@@ -61,7 +61,7 @@ class Change:
             if value is None:
                 return scipy.sparse.csr_matrix(shape)
             try:
-                A = scipy.sparse.csr_matrix(value, dtype=float, copy=True)
+                A = scipy.sparse.csr_matrix(_real(value), dtype=float, copy=True)
             except (TypeError, ValueError) as bad:
                 raise ValueError(f"{name} should be a matrix of numbers: {str(bad).splitlines()[0]}") from None
             if A.shape != shape:
@@ -75,7 +75,7 @@ class Change:
 
         def vector(value, name, size):
             try:
-                v = numpy.zeros(size) if value is None else numpy.array(value, dtype=float)
+                v = numpy.zeros(size) if value is None else numpy.array(_real(value), dtype=float)
             except (TypeError, ValueError) as bad:
                 raise ValueError(f"{name} should be a vector of numbers: {bad}") from None
             if v.shape != (size,):
@@ -639,7 +639,7 @@ def outer(a, a_off, b, b_off):
 
 def numbers(value, name):
     try:
-        return numpy.array(value, dtype=float)
+        return numpy.array(_real(value), dtype=float)
     except (TypeError, ValueError) as bad:
         raise ValueError(f"{name} should be numbers: {str(bad).splitlines()[0]}") from None
 
@@ -725,7 +725,7 @@ def answer(problem, solution):
     else:
         z, force = solution if isinstance(solution, tuple) and len(solution) == 2 else (solution, [])
     try:
-        z, force = numpy.array(z, dtype=float), numpy.array(force, dtype=float)
+        z, force = numpy.array(_real(z), dtype=float), numpy.array(_real(force), dtype=float)
     except (TypeError, ValueError):
         raise ValueError("solution should be what zwang.solve returns, z, or (z, lambda)") from None
     for name, v, size in (("z", z, problem.size), ("lambda", force, problem.rows)):

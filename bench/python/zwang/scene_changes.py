@@ -4,10 +4,12 @@ import operator
 
 import numpy
 
+from . import _real
+
 
 def twist(value, name):
     try:
-        v = numpy.zeros(6) if value is None else numpy.array(value, dtype=float)
+        v = numpy.zeros(6) if value is None else numpy.array(_real(value), dtype=float)
     except (TypeError, ValueError) as bad:
         raise ValueError(f"{name} should be six numbers: {str(bad).splitlines()[0]}") from None
     if v.shape != (6,) or not numpy.isfinite(v).all():

@@ -7,7 +7,7 @@ import scipy.io
 import scipy.sparse
 import scipy.sparse.linalg
 
-from . import _zwang
+from . import _problem, _problems
 
 
 def write_triplets(group, matrix):
@@ -26,14 +26,19 @@ def _refuse_tangents(file, problem):
 
 def save_matrix_market(folder, problem):
     """M.mtx, z_u.mtx, J.mtx, c.mtx, equality.mtx in a new folder, 17 digits: every double comes back. Row names and keys
-    cannot be kept; c = -inf is refused, since the format has no infinity."""
+    cannot be kept; c = -inf is refused, since the format has no infinity, and so are no unknowns, since it has no empty matrix:
+    without rows there are no files of them."""
     folder = pathlib.Path(folder)
-    _refuse_tangents(folder, problem)
+    _refuse_tangents(folder, _problem(problem))
     if not numpy.isfinite(problem.c).all():
         raise ValueError(f"{folder}: c holds -inf, which Matrix Market cannot")
+    if not problem.size:
+        raise ValueError(f"{folder}: the problem has no unknowns, and Matrix Market no empty matrix")
     folder.mkdir(parents=True)
-    for name, value in (("M", problem.M), ("J", problem.J), ("z_u", problem.z_u[:, None]), ("c", problem.c[:, None]),
-                        ("equality", problem.equality.astype(float)[:, None])):
+    values = {"M": problem.M, "z_u": problem.z_u[:, None]}
+    if problem.rows:
+        values |= {"J": problem.J, "c": problem.c[:, None], "equality": problem.equality.astype(float)[:, None]}
+    for name, value in values.items():
         scipy.io.mmwrite(folder / f"{name}.mtx", value, precision=17, symmetry="general")
 
 
@@ -43,15 +48,20 @@ def save_fclib(file, problem, mu=None, form="global"):
 
     Inequality rows become normals, tangent rows their tangents; those of a contact without friction are zeros and its mu
     is 0. mu: other coefficients, one number or one a contact. Equality rows become G. What cannot be kept: names and keys
-    of rows, the order of equality among inequality rows, and contacts whose normal row has c = -inf, which bind nothing. The global file
-    carries z_u beside f = M z_u, which is rounded, so that zwang reads every other bit back; the local one keeps neither M
-    nor z_u, and its W is rounded.
+    of rows, the order of equality among inequality rows, and contacts whose normal row has c = -inf, which bind nothing. All contacts
+    have as many tangents: where one has two, another's one comes back with a row of zeros behind it; tangent rows of a contact with
+    mu = 0 do not come back. The global file carries z_u beside f = M z_u, which is rounded, so that zwang reads every other bit
+    back; the local one keeps neither M nor z_u, and its W is rounded. The layout has no word for a law and means Coulomb's: "convex" is
+    refused.
     """
     import h5py
     if form not in ("global", "local"):
         raise ValueError(f"form should be global or local, and is {form}")
-    if problem.law == "pyramid":
+    if _problem(problem).law == "pyramid":
         raise ValueError(f"{file}: the edges of a pyramid are no contacts; save the problem under another law")
+    if problem.law == "convex":
+        raise ValueError(f"{file}: FCLIB means Coulomb's law, and this problem's is convex; save problem.under('coulomb'), "
+                         "or by zwang.save(), which keeps the law")
     J, c, equal, slips = problem.J, problem.c, problem.equality, problem.tangent
     own_normal = numpy.maximum.accumulate(numpy.where(slips, 0, numpy.arange(problem.rows)))
     rows = numpy.flatnonzero(~equal & numpy.isfinite(c[own_normal]))
@@ -102,8 +112,9 @@ def save_qpbenchmark(folder, problems):
     Sparse P, q = -M z_u (rounded), G = -J and h = -c of the inequality rows, A = J and b = c of the equality rows. The
     files carry z_u and the order of rows too, so that zwang.load() gives every bit back but the names and keys of rows.
     """
-    problems = [problems] if isinstance(problems, _zwang.Problem) else list(problems)
-    folder = pathlib.Path(folder)
+    problems, folder = _problems(problems), pathlib.Path(folder)
+    if not problems:
+        raise ValueError(f"{folder}: there are no problems to save")
     for problem in problems:
         _refuse_tangents(folder, problem)
     folder.mkdir(parents=True)

@@ -1,4 +1,5 @@
 """The Python module as its users meet it. Run by ctest with PYTHONPATH set to the built package."""
+import copy
 import doctest
 import functools
 import gc
@@ -6,6 +7,7 @@ import json
 import math
 import os
 import pathlib
+import pickle
 import random
 import subprocess
 import sys
@@ -17,6 +19,7 @@ import numpy
 import scipy.sparse
 
 import zwang
+import zwang.formats
 
 
 def random_program(seed, n=12, rows=9, equalities=2):
@@ -154,6 +157,16 @@ class Problems(unittest.TestCase):
         judged = zwang.judge_qp(numpy.eye(3), [-5.0, 0, 0], lb=0, ub=1, x=[1.0, 0, 0])
         self.assertEqual(judged.verdict, "solved")
 
+    def test_all_problems_are_of_one_class_and_go_to_other_processes(self):
+        block = zwang.scene("incline(slope=0.5)", mu=0.25)
+        mine = zwang.Problem(numpy.eye(2), [1, 2], name="mine")
+        for p in (zwang.scene("hand(contacts=4)"), block, block.under("convex"), block.under("pyramid"), mine):
+            self.assertIsInstance(p, zwang.Problem)
+            again = pickle.loads(pickle.dumps(p))
+            self.assertIs(type(again), type(p))
+            self.assertEqual((again.sha256, again.law, again.name, again.row_names), (p.sha256, p.law, p.name, p.row_names))
+            self.assertIs(copy.deepcopy(p), copy.copy(p))
+
     def test_an_unreadable_file_is_one_line(self):
         with tempfile.NamedTemporaryFile(suffix=".h5") as file:
             file.write(b"no file of this kind")
@@ -230,8 +243,29 @@ class Solving(unittest.TestCase):
             with self.assertRaises((ValueError, TypeError)) as raised:
                 zwang.scene(**{"text": "hand(contacts=4)", **wrong})
             self.assertEqual(len(str(raised.exception).splitlines()), 1, raised.exception)
-        with self.assertRaisesRegex(TypeError, "^problem should be a zwang.Problem.*$"):
-            zwang.judge("hand", [0])
+        answer, folder = zwang.solve(problem), self.enterContext(tempfile.TemporaryDirectory())
+        for call, says in ((lambda: zwang.judge("hand", [0]), "problem should be a zwang.Problem"),
+                           (lambda: zwang.save(f"{folder}/x.h5", ["a"]), "problem should be a zwang.Problem"),
+                           (lambda: zwang.save(f"{folder}/x.h5", 3), "problem should be a zwang.Problem"),
+                           (lambda: zwang.save(f"{folder}/x.h5", []), "there are no problems to save"),
+                           (lambda: zwang.formats.save_qpbenchmark(f"{folder}/x", ["a"]), "problem should be a zwang.Problem"),
+                           (lambda: zwang.formats.save_qpbenchmark(f"{folder}/x", []), "there are no problems to save"),
+                           (lambda: zwang.solve(problem, law=3), "law should be frictionless, pyramid, convex or coulomb: 3"),
+                           (lambda: zwang.add_solver(3, len), "name should be a text"),
+                           (lambda: zwang.add_solver("three", 3), "function should be one of a problem and a tolerance"),
+                           (lambda: zwang.bench(problem, tolerances="few"), "a tolerance should be a number"),
+                           (lambda: zwang.bench(suite="collision"), "the suite collision compares no solvers"),
+                           (lambda: zwang.compare_gradients([3]), "problem should be a zwang.Problem"),
+                           (lambda: zwang.gradient(problem, answer, "z_u", 1j * problem.z_u), "dz_u .* it has complex entries"),
+                           (lambda: zwang.gradient(problem, answer, "M", 1j * problem.M), "dM .* it has complex entries"),
+                           (lambda: zwang.judge_qp(numpy.zeros((1, 1)), [1e200], lb=1e200, x=[1e200]), "the objective is beyond doubles")):
+            with self.assertRaisesRegex((ValueError, TypeError), f"{says}.*$") as raised:
+                call()
+            self.assertEqual(len(str(raised.exception).splitlines()), 1, raised.exception)
+        self.assertEqual(os.listdir(folder), [])
+        self.assertEqual(zwang.scene("hand(contacts=4)", seed=2**64 - 1).rows, zwang.scene("hand(contacts=4)").rows)
+        self.assertEqual([r["problem"] for r in zwang.compare_gradients(["hand(contacts=4,5)", problem], steps=[1e-5], smoothings=[])],
+                         ["hand(contacts=4)", "hand(contacts=5)", problem.name])
 
     def test_an_accuracy_is_promised_and_kept(self):
         hand = zwang.scene("hand(contacts=8)")
@@ -309,7 +343,7 @@ class Solving(unittest.TestCase):
         tower, folder = zwang.scene("tower(boxes=2)"), os.path.join(self.enterContext(tempfile.TemporaryDirectory()), "run")
         given = ["chain(links=2)", tower, pathlib.Path(folder).parent / "box.h5"]
         zwang.save(given[2], zwang.Problem([[1.0]], [1.0], name="box"))
-        once = dict(solvers="dual_active_set", tolerances=[1e-6], repetitions=1)
+        once = dict(solvers="dual_active_set", tolerances=1e-6, repetitions=1)
         self.assertEqual({row["problem"] for row in zwang.bench(given, **once, out=folder)}, {"chain(links=2)", tower.name, "box"})
         with self.assertRaisesRegex(ValueError, "holds a run already: choose another"):
             zwang.bench(tower, **once, out=folder)
@@ -506,7 +540,7 @@ class Judging(unittest.TestCase):
                 draw.choice(calls)(lambda: draw.choice(odd))
             except (ValueError, TypeError, OverflowError, RuntimeError, OSError, AttributeError, IndexError) as expected:
                 self.assertTrue(str(expected))
-        for made in (zwang.Problem, type(problem), zwang.Solution, zwang.Judgement):
+        for made in (zwang.Problem, zwang.Solution, zwang.Judgement):
             for bare in (made.__new__, object.__new__):
                 with self.assertRaises(TypeError):
                     bare(made)

@@ -153,6 +153,21 @@ class Fclib(unittest.TestCase):
         d = ours.z - p.z_u
         self.assertAlmostEqual(numpy.linalg.norm(theirs.z) / numpy.sqrt(d @ p.M @ d), 1, 9)
 
+    def test_a_law_that_the_layout_cannot_say_is_refused(self):
+        block = zwang.scene("incline(slope=0.5)", mu=0.25)
+        with self.assertRaisesRegex(ValueError, "^.*FCLIB means Coulomb's law, and this problem's is convex; save .*$"):
+            zwang.formats.save_fclib(self.file, block.under("convex"))
+        self.assertFalse(os.path.exists(self.file))
+        zwang.formats.save_fclib(self.file, block.under("convex").under("coulomb"))
+        self.assertEqual(zwang.load(self.file)[0].law, "coulomb")
+
+    def test_tangents_that_do_not_fit_the_layout_come_back_as_is_said(self):
+        rows = dict(J=numpy.eye(8), c=numpy.zeros(8), tangent=[False, True, True, False, True, False, True, True], mu=[.5, 0, 0, .25, 0, 0, 0, 0])
+        zwang.formats.save_fclib(self.file, zwang.Problem(numpy.eye(8), numpy.arange(8.0), **rows))
+        (again,) = zwang.load(self.file)
+        self.assertEqual(again.tangent.tolist(), [False, True, True, False, True, True, False])
+        self.assertEqual((numpy.count_nonzero(again.J.toarray()[5]), again.mu[3], again.mu[6]), (0, 0.25, 0))
+
     def test_a_negative_mu_is_one_line(self):
         with self.assertRaisesRegex(ValueError, "mu is negative"):
             zwang.formats.save_fclib(self.file, self.problem, mu=-1)
@@ -204,6 +219,14 @@ class Programs(unittest.TestCase):
         (note,) = zwang.load(file)[0].notes
         off = Fraction(float(zwang.load(file)[0].z_u[0])) + 1 / Fraction(3e-20)
         self.assertTrue(0 < off**2 * Fraction(3e-20) <= Fraction(note.rsplit(" ", 1)[1])**2, note)
+
+    def test_a_problem_without_rows_comes_back_from_matrix_market(self):
+        free = zwang.Problem(numpy.eye(3), [1, 2, 3])
+        zwang.formats.save_matrix_market(self.folder / "free", free)
+        self.assertEqual(zwang.load(self.folder / "free")[0].sha256, free.sha256)
+        with self.assertRaisesRegex(ValueError, "no unknowns"):
+            zwang.formats.save_matrix_market(self.folder / "none", zwang.Problem(numpy.eye(0), []))
+        self.assertFalse((self.folder / "none").exists())
 
     def test_a_matrix_market_file_is_named(self):
         zwang.formats.save_matrix_market(self.folder / "box", zwang.scene("tower(boxes=1)"))
