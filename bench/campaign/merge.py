@@ -191,13 +191,21 @@ class Lines:
 
 
 def append_traces(parts, out):
-    """Everything but results: curves of all parts, as they are."""
-    files = [file for part in parts if os.path.exists(file := os.path.join(part, "traces.jsonl"))]
+    """Everything but results: curves of all parts. Of a point that is there twice the first is kept; what is torn is left out."""
+    files, there = [file for part in parts if os.path.exists(file := os.path.join(part, "traces.jsonl"))], set()
+
+    def is_new(line):
+        try:
+            point = json.loads(line)
+            key = tuple(point[name] for name in ("problem", "family", "solver", "iteration"))
+            return key not in there and not there.add(key)
+        except (ValueError, KeyError, TypeError, RecursionError):
+            return False
     if files:
         with open(os.path.join(out, "traces.jsonl"), "wb") as traces:
             for file in files:
                 with open(file, "rb") as lines:
-                    traces.writelines(line.rstrip(b"\n") + b"\n" for line in lines)
+                    traces.writelines(line.rstrip(b"\n") + b"\n" for line in lines if is_new(line))
 
 
 def copy_problems(program, cells, there, parts, out):

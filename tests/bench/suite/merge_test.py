@@ -91,6 +91,17 @@ with tempfile.TemporaryDirectory() as folder:
     run([program, "solve", "taken/problems/0001.h5", "--solver", "nnls"])
     assert "problems/0001.h5 is missing or damaged in every part" in run([program, "merge", "bad", "--out", "named"])
 
+    # Curves of parts that overlap are each there once, and what is torn is left out.
+    for k in range(2):
+        run([program, "bench", *suite(1), "--trace", "--shard", f"{k}/2", "--out", f"traced{k}"])
+    with open("traced1/traces.jsonl", "a") as file:
+        file.write('{"problem":"tower')
+    with open("traced0/traces.jsonl") as one, open("traced1/traces.jsonl") as other:
+        points = sorted(one.readlines() + other.readlines()[:-1])
+    run([program, "merge", "traced1", "traced0", "traced1", "--out", "traced"])
+    with open("traced/traces.jsonl") as file:
+        assert len(points) > 3 and sorted(file) == points
+
     # Disagreement.
     shutil.copytree("part1", "differs")
     change_line("differs", "iterations", 123456)
