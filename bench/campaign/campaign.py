@@ -4,6 +4,7 @@ DIR/job.sh runs one task, DIR/parts/K is its result, DIR/campaign.json what is a
 holds this text and the job's, and runs it: python3 -c TEXT JOB PROGRAM WORDS...
 """
 import argparse
+import contextlib
 import difflib
 import json
 import os
@@ -101,7 +102,7 @@ class Campaign:
             # Alone on a node, and pinned to a core there; or neither.
             "exclusive": "#SBATCH --exclusive" if r["timing"] else "#",
             "core": "$(taskset -cp $$ | sed 's/.*: //; s/[,-].*//')" if r["timing"] else "",
-            "dir": shlex.quote(self.folder), "program": shlex.quote(r["program"]), "suite": " " + shlex.join(r["suite"])}
+            "dir": shlex.quote(self.folder), "here": shlex.quote(os.getcwd()), "program": shlex.quote(r["program"]), "suite": " " + shlex.join(r["suite"])}
         for word, value in values.items():
             job = job.replace(f"@{word}@", str(value))
         with open(self.at("job.sh"), "w") as file:
@@ -213,26 +214,46 @@ class Campaign:
         return percent // 10
 
     def finish(self):
-        """The result is replaced in one step; that of an earlier attempt goes."""
+        """The result of an earlier attempt goes when there is another."""
         parts = self.started_parts()
         if not parts:
             fail(f"no task of {self.folder} left a run: see its logs/", BAD_FILE)
-        shutil.rmtree(self.at("result"), ignore_errors=True)
+        result, before, merging = self.at("result"), self.at("result.before"), None
+        shutil.rmtree(before, ignore_errors=True)
         sys.stdout.flush()
-        return subprocess.run([self.record["program"], "merge", *parts, "--out", self.at("result")]).returncode
+        try:
+            if os.path.exists(result):
+                os.rename(result, before)
+            merging = subprocess.Popen([self.record["program"], "merge", *parts, "--out", result], start_new_session=True)
+            code = merging.wait()
+        except KeyboardInterrupt:
+            if merging:
+                with contextlib.suppress(ProcessLookupError):
+                    os.killpg(merging.pid, signal.SIGTERM)
+                merging.wait()
+            if os.path.exists(before):
+                shutil.rmtree(result, ignore_errors=True)
+                os.rename(before, result)
+            raise
+        shutil.rmtree(before, ignore_errors=True)
+        return code
 
     def run(self):
-        folder, started = shlex.quote(self.folder), self.record["started"]
+        folder = shlex.quote(self.folder)
+        again = f"./zwang campaign --resume {folder}"
         try:
             complete = self.follow()
+            if not complete:
+                print(f"{len(self.unfinished())} of {self.record['tasks']} tasks are not finished and made no progress: see {folder}/logs, "
+                      f"then {again}")
+            code = self.finish()
         except KeyboardInterrupt:
-            stop = f"{'scancel ' if self.record['engine'] == 'slurm' else 'kill -- -'}{started[-1]['id']}" if started else "none"
-            print(f"The tasks go on. Come back with: ./zwang campaign --resume {folder}   (to end them: {stop})")
+            if self.active():
+                stop = f"{'scancel ' if self.record['engine'] == 'slurm' else 'kill -- -'}{self.record['started'][-1]['id']}"
+                print(f"The tasks go on. Come back with: {again}   (to end them: {stop})")
+            else:
+                print(f"Stopped; no task runs. Come back with: {again}")
             return STOPPED
-        if not complete:
-            print(f"{len(self.unfinished())} of {self.record['tasks']} tasks are not finished and made no progress: see {folder}/logs, "
-                  f"then ./zwang campaign --resume {folder}")
-        code = self.finish()
         return code if complete else BAD_FILE
 
 
@@ -318,4 +339,7 @@ def interrupt(*_):
 
 for number in (signal.SIGINT, signal.SIGTERM):
     signal.signal(number, interrupt)
-sys.exit(main(*sys.argv[1:]))
+try:
+    sys.exit(main(*sys.argv[1:]))
+except KeyboardInterrupt:
+    sys.exit(STOPPED)

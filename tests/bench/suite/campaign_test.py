@@ -27,6 +27,12 @@ def started(campaign):
         return False
 
 
+def catches(process, number):
+    """Whether a process has a handler of that signal."""
+    with open(f"/proc/{process}/status") as file:
+        return int(next(line for line in file if line.startswith("SigCgt:")).split()[1], 16) >> (number - 1) & 1
+
+
 with tempfile.TemporaryDirectory() as folder:
     os.chdir(folder)
     os.environ["XDG_CACHE_HOME"] = folder
@@ -66,9 +72,34 @@ with tempfile.TemporaryDirectory() as folder:
     process.send_signal(signal.SIGINT)
     said, _ = process.communicate(timeout=60)
     if process.returncode == 130:
-        assert "The tasks go on. Come back with: ./zwang campaign --resume" in said, said
+        assert "Come back with: ./zwang campaign --resume" in said, said
         run([program, "campaign", "--resume", "left"])
     assert_equal("whole", "left/result")
+
+    # Where nothing runs, Ctrl-C says so, whenever it comes, and the result that was there stays.
+    for wait in (0, 0.3, 0.6, 0.9, 1.2):
+        process = subprocess.Popen([program, "campaign", "--resume", "it"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+                                   start_new_session=True)
+        while process.poll() is None and not catches(process.pid, signal.SIGTERM):
+            time.sleep(0.01)
+        time.sleep(wait)
+        os.killpg(process.pid, signal.SIGINT)
+        said, error = process.communicate(timeout=60)
+        assert "Traceback" not in error and "to end them" not in said, (said, error)
+        assert process.returncode != 130 or not said or "Stopped; no task runs. Come back with: ./zwang campaign --resume" in said, said
+        assert_equal("whole", "it/result")
+        assert os.path.exists("it/result/report.html") and not os.path.exists("it/result.before"), wait
+
+    # Problems of a relative path are found wherever one comes back from.
+    os.makedirs("files")
+    for k in (1, 2):
+        run([program, "export", "tower", f"--boxes={k}", "--out", f"files/{k}.h5"])
+    few = ["--problems", "files", "--solvers", "nnls", "--tolerances", "1e-3", "--accuracy"]
+    run([program, "campaign", "--engine", engine, "--tasks", "2", "--out", "near", *few])
+    shutil.rmtree("near/parts/1")
+    os.chdir("files")
+    assert "2 of 2 runs" in run([program, "campaign", "--resume", "../near"])
+    os.chdir("..")
 
     # Wrong use costs one line, and so does a damaged record.
     with open("it/campaign.json") as file:
