@@ -98,6 +98,11 @@ def count_of(value):
     return value if type(value) is int else 0
 
 
+def family_of(family, problem):
+    """Where a problem has none, problems of its name are one: a second of that name is "name (2)". "" would be all families."""
+    return family or re.sub(r" \(\d+\)$", "", problem) or "unnamed"
+
+
 class Result:
     """A line of results.jsonl: what one solver made of one problem at one tolerance."""
 
@@ -116,7 +121,7 @@ class Result:
         self.worst_by_type = [(text_of(worst.get("type")), number_of(worst.get("violation")), number_of(worst.get("relative")),
                                text_of(worst.get("unit")), text_of(worst.get("row"))) for worst in get("worst_by_type") or ()]
         self.replay = ""  # the command that repeats the run
-        self.family = self.family or self.problem or "unnamed"  # "" is all of them
+        self.family = sys.intern(family_of(self.family, self.problem))
         # Coulomb's law may have several solutions, and the reference is one of them: what counts is the distance to the
         # nearest one that is proven, where the referee's verdict rests on it.
         if self.law == "coulomb" and (math.isfinite(self.z_bound) or self.verified != "wrong"):
@@ -150,7 +155,8 @@ def result_of(row):
 
 def trace_point(row):
     """A line of traces.jsonl: the state after `iteration` steps, of a solve stopped there."""
-    return {**{key: text_of(row.get(key)) for key in ("problem", "family", "solver")}, "iteration": count_of(row.get("iteration")),
+    problem, family, solver = (text_of(row.get(key)) for key in ("problem", "family", "solver"))
+    return {"problem": problem, "family": family_of(family, problem), "solver": solver, "iteration": count_of(row.get("iteration")),
             **{key: number_of(row.get(key)) for key in ("time_s", "z_error", "primal", "stationarity", "gap")}}
 
 

@@ -144,7 +144,8 @@ def accuracy_headline(run, error=HEADLINE):
         return ""
     problems = matched[0].problems
     for entry in matched:
-        asides = [] if entry.ratio == 1 else [ratio_text(entry.ratio)]
+        ratio = "" if entry.ratio == 1 else ratio_text(entry.ratio)  # none where it and the leader reached no problem in common
+        asides = [ratio] if ratio else []
         if entry.reached < problems:
             asides.append(f"{entry.reached} of {entry.reads}")
         (on_some if entry.reached < problems else on_all).append(

@@ -159,6 +159,8 @@ class Accuracy(unittest.TestCase):
         self.assertAlmostEqual(partial.ratio, 0.5, delta=1e-12)
         self.assertEqual(accuracy_headline(run, 1e-9), "On 2 f problems at 1e-9 achieved error: quick 1.0 s, slow 6.0 s (6.0x); not on all: "
                                                        "partial 500 ms (0.5x, 1 of 2)")
+        apart = run_of(result("p", "a", 1e-9, 1e-12, 1), result("q", "a", 1e-9, 1e-12, 1), result("r", "b", 1e-9, 1e-12, 2))
+        self.assertEqual(accuracy_headline(apart), "On 3 f problems at 1e-9 achieved error: a 1.0 s (2 of 2), b 2.0 s (1 of 1)")
         self.assertEqual(accuracy_matched(run, "another", 1e-9), [])
         self.assertEqual(accuracy_headline(run, 1e-14), "")
 
@@ -257,6 +259,14 @@ class Folders(unittest.TestCase):
         with open(self.path(), "w", encoding="utf-8") as file:
             file.write(text)
         return read_run(self.folder.name)
+
+    def test_problems_of_one_name_without_a_family_are_one(self):
+        def line(problem):
+            return LINE.replace('"problem": "p", "family": "f"', f'"problem": "{problem}", "family": ""') + "\n"
+
+        run = self.read("".join(map(line, ("problem", "problem (2)", "box (a) (3)", "problem (10)", "", " (2)"))))
+        self.assertEqual([r.family for r in run.results], ["problem", "problem", "box (a)", "problem", "unnamed", "unnamed"])
+        self.assertEqual(results.trace_point({"problem": "problem (2)", "solver": "s"})["family"], "problem")
 
     def test_null_is_unknown_and_a_command_replays_the_run(self):
         run = self.read(LINE + "\n")
