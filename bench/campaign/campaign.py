@@ -337,6 +337,7 @@ def interrupt(*_):
     raise KeyboardInterrupt
 
 
+signal.signal(signal.SIGPIPE, signal.SIG_DFL)  # nobody reads on: ended as any other program is
 for number in (signal.SIGINT, signal.SIGTERM):
     signal.signal(number, interrupt)
 try:

@@ -281,19 +281,21 @@ def merge(program, parts, out, command):
     write_record(parts, out, command, cells, present, machines, disagreeing)
 
     judged = sum(map(len, recorded.values()))
-    print(f"{present:,} of {cells.size:,} runs" + (f", {twice:,} of them twice and alike" if twice else "") +
-          (f", {judged:,} recorded answer{'s' if judged > 1 else ''}" if judged else "") +
-          (f", {damaged:,} damaged lines left out" if damaged else ""))
-    for line in (*disagreeing, *(f"{file} is missing or damaged in every part: its runs are kept" for file in bad)):
-        print(line)
+    said = [f"{present:,} of {cells.size:,} runs" + (f", {twice:,} of them twice and alike" if twice else "") +
+            (f", {judged:,} recorded answer{'s' if judged > 1 else ''}" if judged else "") +
+            (f", {damaged:,} damaged lines left out" if damaged else "")]
+    said += [*disagreeing, *(f"{file} is missing or damaged in every part: its runs are kept" for file in bad)]
     if len(machines) > 1:
-        for machine, runs in sorted(machines.items()):
-            print(f"{runs:,} runs on {machine}")
+        said += [f"{runs:,} runs on {machine}" for machine, runs in sorted(machines.items())]
     missing = cells.size - present
     if missing:
-        print(("1 run is missing" if missing == 1 else f"{missing:,} runs are missing") + f": ./zwang bench --missing {shlex.quote(out)} lists them")
-    sys.stdout.flush()
-    return subprocess.run([program, "report", out]).returncode or (1 if disagreeing else 0)
+        said.append(("1 run is missing" if missing == 1 else f"{missing:,} runs are missing") +
+                    f": ./zwang bench --missing {shlex.quote(out)} lists them")
+    try:
+        print("\n".join(said), flush=True)
+    finally:  # the report is made though nobody reads on
+        code = subprocess.run([program, "report", out]).returncode
+    return code or (1 if disagreeing else 0)
 
 
 def print_missing(directories):
@@ -334,6 +336,14 @@ def main(program, *words):
 
 signal.signal(signal.SIGINT, signal.SIG_DFL)
 try:
-    sys.exit(main(*sys.argv[1:]))
+    try:
+        code = main(*sys.argv[1:])
+    finally:
+        sys.stdout.flush()
+except BrokenPipeError:  # nobody reads on: ended as any other program is
+    signal.signal(signal.SIGPIPE, signal.SIG_DFL)
+    os.kill(os.getpid(), signal.SIGPIPE)
 except OSError as broken:
-    fail(f"{broken.filename or 'output'}: {broken.strerror}")
+    print(f"{broken.filename or 'output'}: {broken.strerror}", file=sys.stderr)
+    os._exit(BAD_FILE)  # nothing is written once more
+sys.exit(code)

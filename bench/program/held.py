@@ -2,6 +2,8 @@
 
 A NAME.py may import those before it, and other texts from `held`; what runs is main(*ARGUMENTS) of the last.
 """
+import os
+import signal
 import sys
 
 sys.path = [folder for folder in sys.path if folder]  # nothing of the folder where the user is
@@ -22,4 +24,14 @@ for name, text in files.items():
     if name.endswith(".py"):
         last = module(name.removesuffix(".py"))
         exec(compile(text, name, "exec"), vars(last))
-last.main(*arguments)
+try:
+    try:
+        last.main(*arguments)
+    finally:
+        sys.stdout.flush()
+except BrokenPipeError:  # nobody reads on: ended as any other program is
+    signal.signal(signal.SIGPIPE, signal.SIG_DFL)
+    os.kill(os.getpid(), signal.SIGPIPE)
+except OSError as bad:
+    print(f"{bad.filename or 'output'}: {bad.strerror}", file=sys.stderr)
+    os._exit(3)  # nothing is written once more

@@ -112,4 +112,6 @@ def main(program, *words):
     except BadFile as broken:
         fail(str(broken))
     except OSError as broken:
+        if not broken.filename:  # what is printed: held.py's
+            raise
         fail(f"{broken.filename}: {broken.strerror}")

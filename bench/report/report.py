@@ -348,6 +348,8 @@ def main(program, *words):
     except BadFile as broken:
         fail(str(broken))
     except OSError as broken:
+        if not broken.filename:  # what is printed: held.py's
+            raise
         fail(f"{broken.filename}: {broken.strerror}")
     except (ArithmeticError, ValueError, TypeError) as odd:
         fail(f"{words[-1]}: holds what zwang does not write ({odd})", BAD_FILE)

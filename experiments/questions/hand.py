@@ -5,10 +5,12 @@ The program holds this text and runs it: python3 -c TEXT PROGRAM WORDS... It is 
 import argparse
 import itertools
 import json
+import os
+import signal
 import subprocess
 import sys
 
-WRONG_USE = 2
+WRONG_USE, BAD_FILE = 2, 3
 PLURALS = {"universal_joint": "universal joints", "revolute_joint": "revolute joints", "joint_limit": "limits"}
 BLOCKS = " ▘▝▀▖▌▞▛▗▚▐▜▄▙▟█"  # two rows and two columns a character
 
@@ -64,4 +66,11 @@ def main(program, *words):
     return 0
 
 
-sys.exit(main(*sys.argv[1:]))
+signal.signal(signal.SIGPIPE, signal.SIG_DFL)  # nobody reads on: ended as any other program is
+try:
+    code = main(*sys.argv[1:])
+    sys.stdout.flush()
+except OSError as bad:
+    print(f"output: {bad.strerror}", file=sys.stderr)
+    os._exit(BAD_FILE)  # nothing is written once more
+sys.exit(code)

@@ -658,11 +658,13 @@ Questions:
     chosen = "".join(f" --{key} {number(value) if key == 'seconds' else value}" for key in ("solver", "motion", "parts", "seconds")
                      if (value := getattr(asked, key)))
     asked.solver = asked.solver or "dual_active_set"
+    # A place that cannot be written is said before minutes are spent.
     try:
         os.makedirs(asked.out, exist_ok=True)
-    except OSError as broken:
-        fail(f"{asked.out}: {broken.strerror}", BAD_FILE)
-    finished = []
+        tempfile.TemporaryFile(dir=asked.out).close()
+    except OSError as bad:
+        fail(f"{asked.out}: {bad.strerror}", BAD_FILE)
+    answered = 0
     for name in QUESTIONS if asked.NAME == "all" else (asked.NAME,):
         question, paper, answer = QUESTIONS[name]
         print(question, flush=True)
@@ -672,15 +674,16 @@ Questions:
             print(found.text(), end="")
             for file in found.record(name, question, paper, f"./zwang experiment {name}{chosen}", ask):
                 print(f"  {file}")
+            answered += 1
         except Unanswered as ended:
             [code] = ended.args
             if code == STOPPED:
-                print(f"Stopped within '{name}'" + (f"; {', '.join(finished)}: in {asked.out}" if finished else "; nothing was finished before"))
+                print(f"Stopped within '{name}'; " + (f"what was finished before is in {asked.out}" if answered else "nothing was finished"))
             return code
-        finished.append(name)
         print(flush=True)
     return 0
 
 
 if __name__ == "__main__":
+    signal.signal(signal.SIGPIPE, signal.SIG_DFL)  # nobody reads on: ended as any other program is
     sys.exit(main(*sys.argv[1:]))

@@ -69,7 +69,7 @@ def a_push():
 def mistakes():
     for words, code, says in ((("fig88",), 2, "did you mean 'fig8'?"), ((), 2, "NAME"), (("fig8", "--seconds", "0"), 2, "0 should be a number above 0 s"),
                               (("growth", "--solver", "nnlss"), 2, "did you mean 'nnls'?"), (("growth", "--motion", "none.json"), 3, "none.json"),
-                              (("growth", "--sekonds", "1"), 2, "--sekonds")):
+                              (("growth", "--sekonds", "1"), 2, "--sekonds"), (("growth", "--out", "/proc/x"), 3, "/proc/x: ")):
         done = subprocess.run([program, "experiment", *words], capture_output=True, text=True, timeout=300)
         check(f"{words} costs one line", done.returncode == code and says in done.stderr and done.stderr.count("\n") == 1, done.stdout + done.stderr)
 
@@ -81,7 +81,17 @@ def interrupted():
     time.sleep(2)
     os.killpg(asking.pid, signal.SIGINT)  # as a terminal does
     said = asking.communicate(timeout=300)[0]
-    check("an interrupted one says so", asking.returncode == 130 and "Stopped within 'fig8'" in said, said)
+    check("an interrupted one says so", asking.returncode == 130 and "Stopped within 'fig8'; nothing was finished" in said, said)
+
+
+def unread():
+    """Where nobody reads on it ends as any other program does."""
+    drawing = subprocess.Popen([program, "hand", "--matrix"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    drawing.stdout.close()
+    check("an unread matrix ends quietly", drawing.stderr.read() == "" and drawing.wait() == -signal.SIGPIPE, drawing.returncode)
+    with open("/dev/full", "w", encoding="utf-8") as full:
+        drawing = subprocess.run([program, "hand", "--matrix"], stdout=full, stderr=subprocess.PIPE, text=True)
+    check("a full disk costs one line", drawing.returncode == 3 and drawing.stderr == "output: No space left on device\n", drawing)
 
 
 with tempfile.TemporaryDirectory() as folder:
@@ -93,5 +103,6 @@ with tempfile.TemporaryDirectory() as folder:
     a_push()
     mistakes()
     interrupted()
+    unread()
     os.chdir("/")
 sys.exit(1 if failures else 0)

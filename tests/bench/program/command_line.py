@@ -7,6 +7,7 @@ import math
 import os
 import re
 import resource
+import signal
 import subprocess
 import sys
 import tempfile
@@ -187,6 +188,20 @@ def check_help():
     check("counts of one", "1 solver x 1 problem x 1 tolerance," in said.stdout, said)
 
 
+def check_unread():
+    """Where nobody reads on, scripts end as the program does; a full disk costs one line."""
+    run(["bench", "--problems", "box.h5", "--solvers", "pgs", "--tolerances", "1e-6", "--accuracy", "--out", "unread"])
+    for words in (["report", "unread"], ["merge", "unread", "--out", "unread_again"], ["bench", "--missing", "unread"]):
+        asked = subprocess.Popen([program] + words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        asked.stdout.close()
+        check(f"{words} unread ends quietly", asked.stderr.read() == "" and asked.wait() == -signal.SIGPIPE, str(asked.returncode))
+    check("the report is made", os.path.exists("unread_again/report.html"))
+    for words in (["report", "unread"], ["bench", "--missing", "unread"]):
+        with open("/dev/full", "w") as full:
+            asked = subprocess.run([program] + words, stdout=full, stderr=subprocess.PIPE, text=True)
+        check(f"{words} on a full disk", asked.returncode == 3 and asked.stderr == "output: No space left on device\n", asked.stderr)
+
+
 def check_absent_solvers():
     for line in run(["solvers"]).stdout.splitlines():
         name, absent, how_to_add = line.partition(" not built in: ")
@@ -286,6 +301,7 @@ with tempfile.TemporaryDirectory() as folder:
     check_mistakes()
     check_help()
     check_absent_solvers()
+    check_unread()
     check_solve()
     check_solutions()
     check_export_and_bench()
