@@ -44,6 +44,10 @@ try {
     }
     for (const [, size] of text.matchAll(/font-size="([\d.]+)px"/g)) assert.ok(Math.abs(size - 8 * 96 / 72) < 0.01, `${size} px`);
   }
+  fs.rmSync(`${full}/figures`, {recursive: true, force: true});
+  draw('families', '-', 'hand', 3.4);
+  const marks = [...fs.readFileSync(`${full}/figures/work-precision.svg`, 'utf8').matchAll(/role-legend-symbol[^>]*><path [^>]*d="([^"]*)"/g)].map(match => match[1]);
+  assert.ok(marks.length > 3 && new Set(marks).size === marks.length, `small multiples: a shape a solver, ${marks}`);
   assert.ok(fs.readFileSync(`${full}/tables/accuracy.csv`, 'utf8').trim().split('\n').slice(1).every(line => line.startsWith('hand,')), 'tables of what was chosen');
   assert.throws(() => draw('wrok-precision', 'nnls', 'hand', 3.4), /no chart 'wrok-precision'; did you mean 'work-precision'/);
   assert.throws(() => draw('profile', 'nnsl', 'hand', 3.4), /no solver 'nnsl'; did you mean 'nnls'/);
