@@ -104,7 +104,7 @@ class Reader {
       note(out.notes, odd, of_hand + "with a bone of another length");
       const std::size_t mirrored = drop_mirrored(track[s]);
       note(out.notes, mirrored, of_hand + "with the fingers of the other hand");
-      kept[s] = sound - odd - mirrored;
+      kept[s] = 2 * mirrored > sound ? 0 : sound - odd - mirrored;
       others += mirrored;
     }
     for (std::size_t s = 0; s < 2; ++s) {
