@@ -1,5 +1,5 @@
 """client.py [HOST:]PORT [SECONDS]: a client of `./zwang live SCENE --listen PORT`, of Python alone. It reads every frame, sends the
-hand 50 mm down and up again, and says once a second what a device would show at the palm."""
+hand 170 mm down, onto what lies there, and up again, and says once a second the most that a device would have shown at the palm."""
 import contextlib, math, socket, struct, sys, time
 
 host, _, port = sys.argv[1].rpartition(":")
@@ -13,7 +13,7 @@ while True:  # until it is there
 live.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
 stream = live.makefile("rb")
 header = struct.Struct("<IHHQdqQIIIIQ")  # magic, version, kind, number, time, sent, answers, bodies, loose, contacts, flags, 0
-start, begun, frames = None, time.monotonic(), 0
+start, begun, frames, felt = None, time.monotonic(), 0, 0.0
 with contextlib.suppress(ConnectionError):  # zwang has gone
     while time.monotonic() < begun + seconds and len(head := stream.read(header.size)) == header.size:
         magic, version, kind, number, t, sent, answers, bodies, loose, contacts, flags, _ = header.unpack(head)
@@ -21,9 +21,10 @@ with contextlib.suppress(ConnectionError):  # zwang has gone
         body = [struct.unpack("<20d", stream.read(160)) for _ in range(bodies)]  # god object 7, target 7, force 3, torque 3
         stream.read(56 * loose + 72 * contacts)
         start = start or [b[7:14] for b in body]
-        down = 0.025 * (1 - math.cos(2 * (time.monotonic() - begun)))  # m
+        down = 0.085 * (1 - math.cos(2 * (time.monotonic() - begun)))  # m
         poses = [struct.pack("<7d", x, y, z - down, *turn) for x, y, z, *turn in start]
         live.sendall(header.pack(magic, version, 2, number, 0, 0, 0, bodies, 0, 0, 0, 0) + b"".join(poses))
-        frames += 1
+        frames, felt = frames + 1, max(felt, math.hypot(*body[0][14:17]))
         if frames % 1000 == 0:
-            print(f"frame {number}: {frames} came, follows frame {answers}, palm {math.hypot(*body[0][14:17]):.2f} N", flush=True)
+            print(f"frame {number}: {frames} came, follows frame {answers}, palm {felt:.2f} N", flush=True)
+            felt = 0.0

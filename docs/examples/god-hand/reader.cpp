@@ -1,6 +1,6 @@
 // Reads the frames of `./zwang live SCENE --socket PATH` and says once a second what came; needs no library.
 //   reader PATH [SECONDS]           read
-//   reader PATH SECONDS lower       and send poses: all god objects 50 mm down and up again
+//   reader PATH SECONDS lower       and send poses: all god objects 170 mm down and up again
 #include <sys/socket.h>
 #include <sys/un.h>
 #include <unistd.h>
@@ -64,7 +64,7 @@ int main(int count, char** word) {
         for (const Body& b : body) start.push_back(b.target);
       first = false;
       if (lower) {
-        const double down = 0.025 * (1 - std::cos(2e-9 * static_cast<double>(now() - begin)));
+        const double down = 0.085 * (1 - std::cos(2e-9 * static_cast<double>(now() - begin)));
         Header t{magic, version, Kind::targets, h.number, 0, now(), 0, h.bodies, 0, 0, 0, 0};
         std::vector<Pose> pose = start;
         for (Pose& p : pose) p.position[2] -= down;
