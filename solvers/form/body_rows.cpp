@@ -204,11 +204,12 @@ void BodyRows::whiten_rows(const Problem& p) {
   }
 }
 
-// Roots and quotients of all rows side by side.
+// Roots and quotients of all rows side by side. (Eigen's roots of eight doubles are a digit short, those that are left
+// over are not: bits would depend on which rows there are.)
 bool BodyRows::make_unit_rows() {
   auto norm = row_norm.head(rows()).array(), reciprocal = reciprocal_.head(rows()).array(),
        size = magnitude.head(rows()).array();
-  norm = norm.sqrt();
+  for (double& own : row_norm.head(rows())) own = std::sqrt(own);
   size = c.head(rows()).array().abs();
   Index odd = 0;
   for (Index k = 0; k < rows(); ++k) {

@@ -50,7 +50,7 @@ SolutionDerivative::SolutionDerivative(const Problem& p, const Values& z, const 
     if (lambda[i] != 0)
       for (RowMatrix::InnerIterator it(p.J, i); it; ++it) left[it.col()] -= it.value() * lambda[i];
   }
-  unit = unit.cwiseSqrt();  // side by side
+  for (double& own : unit) own = std::sqrt(own);  // side by side
   const auto length = [&](const Vector& v) { return std::sqrt(v.cwiseAbs2().dot(mass)); };
   motion = std::max(length(z), length(p.z_u));
   off = length(left.cwiseProduct(light));

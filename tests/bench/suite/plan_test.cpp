@@ -120,7 +120,7 @@ TEST(Batch, RepeatsInterleavedAndGivesUpAfterATimeout) {
   EXPECT_GT(*std::min_element(timed[0].samples.begin(), timed[0].samples.end()), 0);
   EXPECT_EQ(timed[1].solution.status, Status::time_limit);
   EXPECT_TRUE(timed[1].samples.empty());
-  EXPECT_EQ(timed[2].solution.message, "not run: met the time limit at tolerance 1e-04");
+  EXPECT_EQ(timed[2].solution.message, "not run: met the time limit at tolerance 0.0001");
   EXPECT_EQ(timed[2].first_s, 0);
 }
 
