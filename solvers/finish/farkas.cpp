@@ -5,8 +5,7 @@ namespace zwang {
 
 bool proves_infeasible(const UnitProgram& program, Vector& u, Vector& motion) {
   program.project(u);
-  const double gain = program.h.dot(u),
-               rounding = tolerances::proof_rounding * program.h.cwiseProduct(u).lpNorm<1>();
+  const double gain = program.h.dot(u), rounding = tolerances::proof_rounding * program.h.cwiseProduct(u).lpNorm<1>();
   if (!(gain > rounding) || !std::isfinite(gain)) return false;
   program.motion(u, motion);
   return gain >= tolerances::referee_reach * program.reach() * motion.norm();

@@ -81,9 +81,7 @@ double UnitProgram::kkt_residual(const Vector& y, const Vector& lambda) const {
   return std::max(stationarity, natural_residual(y, lambda));  // NaN where y or lambda has one
 }
 
-double UnitProgram::reach() const {
-  return std::max(free.norm(), rows() ? h.lpNorm<Eigen::Infinity>() : 0.0);
-}
+double UnitProgram::reach() const { return std::max(free.norm(), rows() ? h.lpNorm<Eigen::Infinity>() : 0.0); }
 
 void UnitProgram::warm_multipliers(const Problem& problem, const WarmStart* warm, Vector& lambda) {
   warm_rows_.multipliers(problem, *this, warm, lambda);

@@ -48,8 +48,8 @@ void Qpoases::solve(const Problem& problem, const SolveOptions& options, Solutio
   const peer::int_t most_steps = steps;
   double seconds = seconds_left(deadline, unlimited);
   const double most_seconds = seconds;
-  const auto code = qp.init(nullptr, no_cost.data(), Gt.data(), nullptr, nullptr, program.h.data(), upper.data(),
-                            steps, &seconds, started ? y.data() : nullptr, started ? start.data() : nullptr);
+  const auto code = qp.init(nullptr, no_cost.data(), Gt.data(), nullptr, nullptr, program.h.data(), upper.data(), steps,
+                            &seconds, started ? y.data() : nullptr, started ? start.data() : nullptr);
 
   solution.iterations = static_cast<int>(steps);
   solution.status = status_of(code, qp.isInfeasible());
