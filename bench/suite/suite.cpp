@@ -74,16 +74,21 @@ std::filesystem::path reference_cache() {
 Outcome run_suite(const Plan& plan, const SuiteSettings& settings, const std::atomic<bool>& interrupted) {
   const auto& directory = settings.directory;
   std::filesystem::create_directories(directory / "problems");
-  RunRecord record = open_record(plan, settings);
-  // What a program gave is kept whole before anything runs: nobody else can give it again.
-  for (std::size_t b = 0; b < plan.options.given; ++b)
-    if (!std::filesystem::exists(directory / problem_file(b)))
-      write_problem(directory / problem_file(b), plan.instances[b]);
   Stored stored = load_results(directory / "results.jsonl");
   Outcome outcome;
   outcome.planned = plan.size();
   outcome.tally = stored.tally;
   outcome.earlier = stored.tally.runs;
+  // A complete run stays as it is, its curves too.
+  if (stored.finished.size() == plan.size() && !read_run_record(directory).finished.empty()) {
+    require_same_problems(directory, plan);
+    return outcome;
+  }
+  RunRecord record = open_record(plan, settings);
+  // What a program gave is kept whole before anything runs: nobody else can give it again.
+  for (std::size_t b = 0; b < plan.options.given; ++b)
+    if (!std::filesystem::exists(directory / problem_file(b)))
+      write_problem(directory / problem_file(b), plan.instances[b]);
   if (stored.damaged > 0)
     outcome.notes.push_back(grouped(stored.damaged) + " damaged lines of results.jsonl are left out; their runs were " +
                             "made again.");

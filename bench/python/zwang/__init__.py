@@ -337,7 +337,7 @@ def gradient(problem, solution, wrt, direction=None, *, law=None, proof=True):
     wrt: "M" (direction n x n, symmetric), "z_u" (n), "J" (m x n), "c" (m), "mu" (m), or a dict of such names and directions.
     Where rows are about to open, close, stick or slide, `kink` names them, and the derivative is that of a step forward
     (`one_sided`); dz is None where there is no one number. Where forces are not unique dlambda is None, and `note` says so.
-    proof=False: without the proof and the enclosure, in about half the time of a solve (gradient_of).
+    proof=False: without the proof and the enclosure, in less than the time of a solve, but for some kinks (gradient_of).
     """
     gradients = _part("gradients")
     return gradients.gradient_of(problem, solution, law, proof).jvp(**gradients.parameters(wrt, direction))
