@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <ranges>
 
 #include <zwang/core/referee/exact_rank.h>
@@ -213,8 +214,15 @@ class Duality {
 
 }  // namespace
 
+// A c that is nothing to the motion may vanish in its unit; one power of two of all c decides nothing.
 std::vector<Index> independent_equalities(const ContactProblem& p, bool& contradictory) {
-  const ExactBasis basis = exact_basis(p.J, p.c, p.equalities);
+  int top = std::numeric_limits<int>::min();
+  for (const Index i : p.equalities)
+    if (p.stored_c[i] != 0) top = std::max(top, referee::exponent_of(p.stored_c[i]) - p.row_exponent[i]);
+  Vector c = p.c;
+  for (const Index i : p.equalities)
+    if (p.stored_c[i] != 0) c[i] = std::ldexp(p.stored_c[i], -p.row_exponent[i] - top);
+  const ExactBasis basis = exact_basis(p.J, c, p.equalities);
   contradictory = !basis.contradictory.empty();
   return basis.rows;
 }

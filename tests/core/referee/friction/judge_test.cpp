@@ -46,6 +46,20 @@ TEST(FrictionJudge, KnowsASlidingAndAStickingBlock) {
 
 // A block on 250 copies of its contact, whose right sides disagree in their last digits: only so many digits show which
 // of them carry it.
+// What they disagree by vanishes in units of the motion.
+TEST(FrictionJudge, RowsThatContradictEachOtherByNextToNothingHaveNoAnswer) {
+  const auto verdict = [](double c) {
+    test::SmallFrictional slides = block(4, 1, .5);
+    slides.z_u *= 0x1p100;
+    slides.equality(vector({0, 0, 1}), 0).equality(vector({0, 0, 1}), c);
+    Vector lambda = Vector::Zero(5);
+    lambda.head(2) << 0x1p100, -0x1p99;
+    return judge(slides.problem(), 0x1p100 * vector({3.5, 0, 0}), lambda).verdict;
+  };
+  EXPECT_EQ(verdict(0), Verdict::solved);
+  EXPECT_EQ(verdict(0x1p-1000), Verdict::wrong);
+}
+
 TEST(FrictionJudge, BoundsManyRedundantRowsThatDisagree) {
   const Problem one = block(4, 1, .5).problem();
   test::SmallFrictional many{.z_u = one.z_u};
