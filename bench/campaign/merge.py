@@ -318,6 +318,7 @@ class Options(argparse.ArgumentParser):
 
 
 def main(program, *words):
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
     if words[:1] == ("--missing",):
         return print_missing(words[1:])
     options = Options(
@@ -332,18 +333,3 @@ def main(program, *words):
     options.add_argument("--out", required=True, metavar="DIR", help="folder of the joined run")
     asked = options.parse_args(words)
     return merge(program, asked.DIR, asked.out, "./zwang merge " + shlex.join(words))
-
-
-signal.signal(signal.SIGINT, signal.SIG_DFL)
-try:
-    try:
-        code = main(*sys.argv[1:])
-    finally:
-        sys.stdout.flush()
-except BrokenPipeError:  # nobody reads on: ended as any other program is
-    signal.signal(signal.SIGPIPE, signal.SIG_DFL)
-    os.kill(os.getpid(), signal.SIGPIPE)
-except OSError as broken:
-    print(f"{broken.filename or 'output'}: {broken.strerror}", file=sys.stderr)
-    os._exit(BAD_FILE)  # nothing is written once more
-sys.exit(code)

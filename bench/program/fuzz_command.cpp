@@ -62,10 +62,11 @@ int fuzz_command(std::vector<std::string> words) {
     const double passed = wall_seconds() - start;
     bar.show(fraction, grouped(so_far) + " problems", fraction > 0 ? passed * (1 - fraction) / fraction : -1);
   };
-  std::filesystem::create_directories(out);  // that it cannot be is said now, not with the first finding
+  const bool made =
+      std::filesystem::create_directories(out);  // that it cannot be is said now, not with the first finding
   const FuzzOutcome o = run_fuzz(fuzz, jobs, out, solvers(), progress, stop_on_interrupt());
   bar.clear();
-  if (std::filesystem::is_empty(out)) std::filesystem::remove(out);
+  if (made && std::filesystem::is_empty(out)) std::filesystem::remove(out);
 
   std::printf("%s problems (seed %llu) in %s\n\n", grouped(o.done).c_str(), static_cast<unsigned long long>(fuzz.seed),
               duration(o.seconds).c_str());

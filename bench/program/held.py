@@ -26,7 +26,7 @@ for name, text in files.items():
         exec(compile(text, name, "exec"), vars(last))
 try:
     try:
-        last.main(*arguments)
+        code = last.main(*arguments)
     finally:
         sys.stdout.flush()
 except BrokenPipeError:  # nobody reads on: ended as any other program is
@@ -35,3 +35,4 @@ except BrokenPipeError:  # nobody reads on: ended as any other program is
 except OSError as bad:
     print(f"{bad.filename or 'output'}: {bad.strerror}", file=sys.stderr)
     os._exit(3)  # nothing is written once more
+sys.exit(code)

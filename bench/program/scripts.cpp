@@ -95,7 +95,7 @@ int campaign_command(std::vector<std::string> words) {
 
 // `:sound`: of each pair of lines, a file and a hash, whether it is that problem.
 int merge_command(std::vector<std::string> words) {
-  if (words != std::vector<std::string>{":sound"}) return continue_as_script(merge_script(), {}, words);
+  if (words != std::vector<std::string>{":sound"}) return continue_as_files({{"merge.py", merge_script()}}, words);
   for (std::string file, sha256; std::getline(std::cin, file) && std::getline(std::cin, sha256);) {
     bool sound = false;
     try {

@@ -52,9 +52,7 @@ def _program(path, family, P, q, G=None, h=None, A=None, b=None, lb=None, ub=Non
 
 def _two_sided(P, q, A, l, u, infinite=1e20):
     """l <= A x <= u as equality rows, inequality rows and bounds: the last n rows of A may be the identity."""
-    for name, part in (("P", P), ("A", A), ("q", q), ("l", l), ("u", u)):
-        if numpy.iscomplexobj(part):
-            raise ValueError(f"{name} has complex entries; expected real numbers")
+    P, A, q, l, u = map(zwang._real, (P, A, q, l, u))
     P, A = scipy.sparse.csc_matrix(P, dtype=float), scipy.sparse.csr_matrix(A, dtype=float)
     q, l, u = (numpy.asarray(v, dtype=float).reshape(-1) for v in (q, l, u))
     n = len(q)

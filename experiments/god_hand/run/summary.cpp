@@ -23,7 +23,8 @@ std::string tally(const std::map<std::string, long>& counts) {
 }
 
 bool finite(const Frame& frame) {
-  return std::ranges::all_of(frame.god, is_usable) && std::ranges::all_of(frame.loose, is_usable);
+  const auto is_finite = [](const Pose<double>& p) { return p.position.allFinite() && p.rotation.allFinite(); };
+  return std::ranges::all_of(frame.god, is_finite) && std::ranges::all_of(frame.loose, is_finite);
 }
 
 }  // namespace
