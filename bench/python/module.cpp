@@ -169,11 +169,17 @@ py::dict settings_of(const SolverEntry& entry) {
 
 using Values = SolutionDerivative::Values;
 
-SolutionDerivative derivative_of(const Problem& problem, const Values& z, const Values& lambda) {
-  SolutionDerivative made(problem, z, lambda);
-  if (made.off <= tolerances::derivative_tie * made.motion) return made;
+// Where it stays: to move it would copy M and J.
+std::unique_ptr<SolutionDerivative> derivative_of(const Problem& problem, const Values& z, const Values& lambda) {
+  auto made = std::make_unique<SolutionDerivative>(problem, z, lambda);
+  if (made->off <= tolerances::derivative_tie * made->motion) return made;
   throw std::invalid_argument(printed("the answer is off by %.1e of the motion, and modes are read to %.0e",
-                                      made.off / (made.motion > 0 ? made.motion : 1), tolerances::derivative_tie));
+                                      made->off / (made->motion > 0 ? made->motion : 1), tolerances::derivative_tie));
+}
+
+auto parts_of(SolutionDerivative::Change change) {
+  return std::tuple(std::move(change.z), std::move(change.lambda), change.is_unique, change.is_settled,
+                    change.is_small);
 }
 
 struct Solved {
@@ -295,20 +301,24 @@ PYBIND11_MODULE(_zwang, m) {
       .def_readonly("by_mu", &SolutionDerivative::by_mu)
       .def_property_readonly("slides", &SolutionDerivative::slides)
       .def_readonly("ties_rub", &SolutionDerivative::ties_rub)
-      .def(
-          "along",
-          [](SolutionDerivative& own, const Values& dz_u, const Values& force, const Values& moved, const Values& dmu) {
-            SolutionDerivative::Change change = own.along(dz_u, force, moved, dmu);
-            return std::tuple(std::move(change.z), std::move(change.lambda), change.is_unique, change.is_settled,
-                              change.is_small);
-          })
-      .def("back", [](SolutionDerivative& own, const Values& z_bar, const Values& lambda_bar, bool by_M, bool by_J) {
+      .def("along", [](SolutionDerivative& own, const Values& dz_u) { return parts_of(own.along(dz_u)); })
+      .def("along", [](SolutionDerivative& own, const Values& dz_u, const Values& force, const Values& moved,
+                       const Values& dmu) { return parts_of(own.along(dz_u, force, moved, dmu)); })
+      .def("back", [](SolutionDerivative& own, const Values& z_bar, const Values& lambda_bar, const py::tuple& names) {
         SolutionDerivative::Bars bars = own.back(z_bar, lambda_bar);
         const bool unique = bars.change.is_unique;
-        py::object M = by_M ? py::cast(own.by_M(bars.change)) : py::none();
-        py::object J = by_J && unique ? py::cast(own.by_J(bars.change)) : py::none();
-        return std::tuple(M, std::move(bars.z_u), J, unique ? py::cast(Vector(-bars.change.lambda)) : py::none(),
-                          std::move(bars.mu), unique);
+        py::dict out;
+        for (const py::handle& name : names) {
+          const auto word = name.cast<std::string>();
+          py::object bar = py::none();
+          if (word == "z_u") bar = py::cast(std::move(bars.z_u));
+          if (word == "mu") bar = py::cast(std::move(bars.mu));
+          if (word == "M") bar = py::cast(own.by_M(bars.change));
+          if (word == "J" && unique) bar = py::cast(own.by_J(bars.change));
+          if (word == "c" && unique) bar = py::cast(Vector(-bars.change.lambda));
+          out[name] = bar;
+        }
+        return std::pair(out, unique);
       });
 
   made_by_calls(py::class_<Judgement>(m, "Judgement"))

@@ -218,22 +218,28 @@ Index DenseFace::largest_free(const double* column) const {
   return row;
 }
 
+// A panel's own rows by numbers, then what they are to the other rows.
 void DenseFace::solve(Vector& x) {
   if (!symmetric_) return solve_lu(x);
   for (Index begin = 0; begin < size_; begin += panel) {
     const Index end = std::min(begin + panel, size_);
     for (Index j = begin; j < end; ++j) {
-      const double* own = H_.col(j).data();
       x[j] *= reciprocal_[j];
-      for (Index i = j + 1; i < end; ++i) x[i] = multiply_add(-x[j], own[i], x[i]);
-      if (end < size_) lanes::add(-x[j], own + end, &x[end], padded_ - end);
+      for (Index i = j + 1; i < end; ++i) x[i] = multiply_add(-x[j], H_(i, j), x[i]);
+    }
+    if (end < size_) lanes::subtract(H_.middleCols(begin, panel), panel, &x[begin], x.data(), end, padded_);
+  }
+  for (Index begin = (size_ - 1) / panel * panel; begin >= 0; begin -= panel) {
+    const Index end = std::min(begin + panel, size_);
+    for (Index j = begin; end < size_ && j < end; ++j)
+      x[j] -= lanes::dot(H_.col(j).data() + end, &x[end], padded_ - end);
+    for (Index j = end - 1; j >= begin; --j) {
+      x[j] *= reciprocal_[j];
+      for (Index i = begin; i < j; ++i) x[i] = multiply_add(-x[j], H_(j, i), x[i]);
     }
   }
-  for (Index j = size_ - 1; j >= 0; --j)
-    x[j] = (x[j] - H_.col(j).segment(j + 1, size_ - j - 1).dot(x.segment(j + 1, size_ - j - 1))) * reciprocal_[j];
 }
 
-// A panel's own rows by numbers, then what they are to the other rows.
 void DenseFace::solve_lu(Vector& x) {
   for (Index begin = 0; begin < size_; begin += panel) {
     const Index count = std::min(panel, size_ - begin);

@@ -1,6 +1,7 @@
 #include <zwang/solvers/form/null_space_form.h>
 
 #include <cmath>
+#include <cstring>
 
 #include <zwang/solvers/linalg/multiply_add.h>
 #include <zwang/solvers/linalg/tolerances.h>
@@ -55,7 +56,10 @@ void NullSpaceForm::remember(const Problem& p) {
 
 bool NullSpaceForm::take(const Problem& p) {
   if (!remembers_ || !M_places_.matches(p.M) || !J_places_.matches(p.J)) return false;
-  if ((p.M.coeffs() != M_entry_).any() || (p.J.coeffs() != J_entry_).any()) return false;
+  const auto same = [](const Eigen::ArrayXd& own, const double* other) {
+    return own.size() == 0 || std::memcmp(own.data(), other, at(own.size()) * sizeof(double)) == 0;
+  };
+  if (!same(M_entry_, p.M.valuePtr()) || !same(J_entry_, p.J.valuePtr())) return false;
   std::size_t k = 0;
   for (Index i = 0; i < p.rows(); ++i) {
     const bool is_here = k < rows_.row.size() && rows_.row[k] == i, holds = is_here && rows_.equality[k] != 0;

@@ -203,7 +203,8 @@ bool ConeProgram::restate(const Problem& p, const Deadline& deadline) {
   for (const Index i : form_ == Form::whitened ? whitened_.idle : unit_rows_.idle)
     if (form_ != Form::joints && !p.is_tangent(i) && (p.c[i] > 0 || (p.is_equality(i) && p.c[i] != 0))) return false;
   sparse_face_.end_by(deadline);
-  const Vector left = p.c - p.J * p.z_u;
+  const Vector left = Vector::NullaryExpr(
+      p.rows(), [&](Index i) { return std::isfinite(p.c[i]) ? p.c[i] - p.J.row(i).dot(p.z_u) : p.c[i]; });
   const bool joints = form_ == Form::joints;
   if (joints) joints_.shift(left);
   free_norm_ = std::sqrt(p.z_u.dot(p.M * p.z_u));

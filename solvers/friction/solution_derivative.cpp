@@ -196,7 +196,7 @@ SolutionDerivative::Change SolutionDerivative::once(const Sides& sides, bool bac
   (void)std::frexp(size, &unit);
   const double down = std::ldexp(1.0, -unit);
   change_.z_u = down * sides.force;
-  program.move_freely(change_.z_u);
+  if (!change_.z_u.isZero(0)) program.move_freely(change_.z_u);
   change_.z_u += down * sides.z_u;
   change_.c(rows) = -down * sides.moved(rows);
   if (!program.restate(change_, deadline)) throw std::invalid_argument("a row without entries pushes");

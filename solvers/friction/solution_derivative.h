@@ -43,7 +43,8 @@ class SolutionDerivative {
   // dz_u: n; force: n; moved: m, dJ z - dc; dmu: m; each empty for 0. Of the ties all push at first; those that pull
   // then open, those that are violated push, until none does. Throws std::invalid_argument, one line, where the rows
   // that push do not hold together.
-  Change along(const Values& dz_u, const Values& force, const Values& moved, const Values& dmu);
+  Change along(const Values& dz_u, const Values& force = Vector(), const Values& moved = Vector(),
+               const Values& dmu = Vector());
 
   // Of a number whose derivatives by z and lambda are z_bar (n) and lambda_bar (m, or empty for 0): those by z_u and
   // mu, and of the transposed equations the `change`, -lambda of which is that by c.
@@ -73,8 +74,8 @@ class SolutionDerivative {
   Problem change_;  // whose answer is the change: c = -Inf but of the rows that push and the ties
   std::vector<Mode> mode_;
   Vector z_, half_, lambda_, slack_;  // half_: (z_u - z) / 2
-  std::vector<Index> owner_;  // of a row that pushes the contact's first
-  long number_;               // no other has it
+  std::vector<Index> owner_;          // of a row that pushes the contact's first
+  long number_;                       // no other has it
   std::optional<bool> is_unique_;
 };
 

@@ -644,8 +644,13 @@ def numbers(value, name):
         raise ValueError(f"{name} should be numbers: {str(bad).splitlines()[0]}") from None
 
 
+def plain(value, name):
+    """A line of doubles, for who finds out by itself whether it has the right size and is finite."""
+    return value if type(value) is numpy.ndarray and value.dtype is DOUBLE and value.ndim == 1 else numbers(value, name)
+
+
 def finite(value, name, size):
-    v = value if type(value) is numpy.ndarray and value.dtype is DOUBLE else numbers(value, name)
+    v = plain(value, name)
     if v.shape != (size,) or not (math.isfinite(v @ v) or numpy.isfinite(v).all()):  # the first is cheap, and may overflow
         raise ValueError(f"{name} should have {size} finite entries")
     return v

@@ -8,7 +8,7 @@ import functools
 import numpy
 
 from . import _zwang
-from .gradients import NAMES, NOT_UNIQUE, Change, Derivative, Parts, answer, finite, read, wanted
+from .gradients import NAMES, NOT_UNIQUE, Change, Derivative, Parts, answer, finite, plain, read, wanted
 
 NONE = numpy.empty(0)
 
@@ -82,9 +82,10 @@ class QuickGradient(Kink):
         """As Gradient.jvp; its Derivative has no enclosure and no reach."""
         p, force, moved, bends = self.problem, NONE, NONE, False
         if dM is None and dJ is None and not self.laid:
-            dz_u = NONE if dz_u is None else finite(dz_u, "dz_u", p.size)
+            dz_u = NONE if dz_u is None else plain(dz_u, "dz_u")
             moved = NONE if dc is None else -finite(dc, "dc", p.rows)
             dmu = NONE if dmu is None else read(p, finite(dmu, "dmu", p.rows))
+            sides = (dz_u, force, moved, dmu) if moved.size or dmu.size else (dz_u,)
         else:
             change = Change(Parts(self.laid.given if self.laid else p), dM, dz_u, dJ, dc, dmu)
             change = self.laid.forward(change) if self.laid else change
@@ -94,11 +95,14 @@ class QuickGradient(Kink):
             z, lambda_ = self.given
             moved, dz_u, dmu = change.dJ @ z - change.dc, change.dz_u, change.dmu
             force = change.dM @ (p.z_u - z) + change.dJ.T @ lambda_
+            sides = dz_u, force, moved, dmu
         if self.kink and (self.keeps.slides or self.keeps.ties_rub):
             raise ValueError("no gradient: a kink of friction, or beside what slides: only a proof tells (proof=True)")
         try:
-            dz, dlambda, unique, settled, small = self.keeps.along(dz_u, force, moved, dmu)
+            dz, dlambda, unique, settled, small = self.keeps.along(*sides)
         except ValueError as bad:
+            if dz_u is not NONE:
+                finite(dz_u, "dz_u", p.size)
             raise ValueError(f"no gradient: {bad}") from None
         if self.kink and (small or not settled):
             dz, dlambda = self.one_sided(dz_u, force, moved)
@@ -110,19 +114,19 @@ class QuickGradient(Kink):
     def vjp(self, z_bar, lambda_bar=None, wrt=NAMES):
         """As Gradient.vjp."""
         p, names = self.problem, wanted(wrt)
-        asked = NAMES if self.laid else names
         if self.kink:
             raise ValueError(f"no gradient: kink: {', '.join(self.kink_names)}")
-        z_bar = finite(z_bar, "z_bar", p.size)
+        z_bar = plain(z_bar, "z_bar")
         lambda_bar = NONE if lambda_bar is None else finite(lambda_bar, "lambda_bar", p.rows)
         try:
-            *bars, unique = self.keeps.back(z_bar, lambda_bar, "M" in asked, "J" in asked)
+            out, unique = self.keeps.back(z_bar, lambda_bar, NAMES if self.laid else names)
         except ValueError as bad:
+            finite(z_bar, "z_bar", p.size)
             raise ValueError(f"no gradient: {bad}") from None
         self.require_unique(unique)
         if lambda_bar is not NONE and not self.unique_forces:
             raise ValueError(f"no gradient: {NOT_UNIQUE}")
-        out = dict(zip(NAMES, bars))
-        if self.laid:
-            out = self.laid.back(out, {name: 0 * bar for name, bar in out.items() if bar is not None})[0]
+        if not self.laid:
+            return out
+        out = self.laid.back(out, {name: 0 * bar for name, bar in out.items() if bar is not None})[0]
         return {name: out[name] for name in names}
