@@ -305,17 +305,23 @@ PYBIND11_MODULE(_zwang, m) {
       .def("along", [](SolutionDerivative& own, const Values& dz_u, const Values& force, const Values& moved,
                        const Values& dmu) { return parts_of(own.along(dz_u, force, moved, dmu)); })
       .def("back", [](SolutionDerivative& own, const Values& z_bar, const Values& lambda_bar, const py::tuple& names) {
+        if (names.empty()) throw std::invalid_argument("no names");
         SolutionDerivative::Bars bars = own.back(z_bar, lambda_bar);
         const bool unique = bars.change.is_unique;
         py::dict out;
         for (const py::handle& name : names) {
-          const auto word = name.cast<std::string>();
+          const std::string word = py::str(name);
           py::object bar = py::none();
-          if (word == "z_u") bar = py::cast(std::move(bars.z_u));
-          if (word == "mu") bar = py::cast(std::move(bars.mu));
-          if (word == "M") bar = py::cast(own.by_M(bars.change));
-          if (word == "J" && unique) bar = py::cast(own.by_J(bars.change));
-          if (word == "c" && unique) bar = py::cast(Vector(-bars.change.lambda));
+          if (word == "z_u")
+            bar = py::cast(bars.z_u);
+          else if (word == "mu")
+            bar = py::cast(bars.mu);
+          else if (word == "M")
+            bar = py::cast(own.by_M(bars.change));
+          else if (word != "J" && word != "c")
+            throw std::invalid_argument("a name of another kind");
+          else if (unique)
+            bar = word == "J" ? py::cast(own.by_J(bars.change)) : py::cast(Vector(-bars.change.lambda));
           out[name] = bar;
         }
         return std::pair(out, unique);

@@ -57,10 +57,11 @@ struct BodyRows {
   auto part(Index i, int side) { return G.col(place[at(i)] + side); }
   auto part(Index i, int side) const { return G.col(place[at(i)] + side); }
   auto own_part(Index i, int side) const { return J.col(place[at(i)] + side); }
-  double dot(Index i, const Motion& y) const {
+  double dot(Index i, const Motion& y) const { return dot(i, y, G); }
+  double dot(Index i, const Motion& y, const Motion& parts) const {  // of G or J
     const auto own = body[at(i)];
-    double sum = part(i, 0).dot(y.col(own[0]));
-    if (own[1] >= 0) sum += part(i, 1).dot(y.col(own[1]));
+    double sum = parts.col(place[at(i)]).dot(y.col(own[0]));
+    if (own[1] >= 0) sum += parts.col(place[at(i)] + 1).dot(y.col(own[1]));
     return sum;
   }
   // y += scale g_i.

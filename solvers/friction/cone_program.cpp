@@ -179,7 +179,7 @@ bool ConeProgram::build(const Problem& p, Want want, const SolveOptions& options
     if (!collect(p, joints_.rows(), solution)) return false;
     constexpr Index pay_for_N = 48;
     if (rows() >= pay_for_N) joints_.form_basis();
-    motion_.resize(BodyRows::lanes, joints_.rows().bodies());
+    motion_.setZero(BodyRows::lanes, joints_.rows().bodies());
     rest_.resize(BodyRows::lanes, joints_.rows().bodies());
     mu_E_.resize(std::ssize(joints_.equalities()));
   } else if (form_ == Form::whitened) {
@@ -203,11 +203,16 @@ bool ConeProgram::restate(const Problem& p, const Deadline& deadline) {
   for (const Index i : form_ == Form::whitened ? whitened_.idle : unit_rows_.idle)
     if (form_ != Form::joints && !p.is_tangent(i) && (p.c[i] > 0 || (p.is_equality(i) && p.c[i] != 0))) return false;
   sparse_face_.end_by(deadline);
-  const Vector left = Vector::NullaryExpr(
-      p.rows(), [&](Index i) { return std::isfinite(p.c[i]) ? p.c[i] - p.J.row(i).dot(p.z_u) : p.c[i]; });
   const bool joints = form_ == Form::joints;
-  if (joints) joints_.shift(left);
-  free_norm_ = std::sqrt(p.z_u.dot(p.M * p.z_u));
+  Vector left = p.c;
+  free_norm_ = std::sqrt(p.z_u.dot(momentum(p, p.z_u)));
+  if (joints) {
+    const BodyRows& rows = joints_.rows();
+    for (Index k = 0; k < rows.rows(); ++k) left[rows.row[at(k)]] -= rows.dot(k, motion_, rows.J);
+    joints_.shift(left);
+  } else {
+    left -= p.J * p.z_u;
+  }
   double size = std::max(free_norm_, joints ? joints_.y_E().lpNorm<Eigen::Infinity>() : 0);
   for (Row& row : row_) {
     if (row.source < 0) continue;
@@ -224,6 +229,17 @@ bool ConeProgram::restate(const Problem& p, const Deadline& deadline) {
   joint_norm_ = joints ? joints_.y_E().norm() : 0;
   state(law_);
   return true;
+}
+
+// By bodies, which then are in motion_: M has few entries a column, and columns take their time.
+Vector ConeProgram::momentum(const Problem& p, const Vector& z) {
+  if (form_ != Form::joints) return p.M * z;
+  Vector out(z.size());
+  const BodyRows& rows = joints_.rows();
+  motion_.topRows<6>() = z.reshaped(6, rows.bodies());
+  for (Index b = 0; b < rows.bodies(); ++b)
+    out.segment<6>(6 * b) = BodyRows::times(rows.mass[at(b)].M, motion_.col(b)).head<6>();
+  return out;
 }
 
 double ConeProgram::length(const Vector& v) {

@@ -98,7 +98,8 @@ class ConeProgram {
   Vector scaled_slack(const Vector& slack) const;                 // of the problem's rows
   void cut(Vector& y) const;                                      // to the cones, and to what is not negative
   void divide_by_mass(Vector& f);
-  void move_freely(Vector& f);  // the same of the problem's unknowns
+  void move_freely(Vector& f);                               // the same of the problem's unknowns
+  Vector momentum(const Problem& problem, const Vector& z);  // M z of the problem
   double least_motion(const Vector& v) { return std::max(free_norm_, scale(v) - free_norm_); }
   double tied() const;                        // as SparseCholesky's, over the smallest pivot of joints
   int exponent() const { return exponent_; }  // lengths are in units of 2^exponent

@@ -137,7 +137,7 @@ double ModeEquations::least_share(ConeProgram& program) {
 }
 
 bool ModeEquations::begin_change(ConeProgram& program, const Vector& y, const Vector& s, bool back) {
-  softness = tolerances::promise_softness;
+  softness = tolerances::derivative_softness;
   back_ = back;
   std::ranges::fill(D_, 0.0);
   for (Index k = 0; k < program.cones(); ++k) {

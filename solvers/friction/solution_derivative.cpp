@@ -33,12 +33,18 @@ SolutionDerivative::SolutionDerivative(const Problem& p, const Values& z, const 
     : change_{.M = p.M, .J = p.J, .kind = p.kind, .law = p.law}, z_(z), lambda_(lambda), number_(++last_number) {
   if (z.size() != p.size() || lambda.size() != p.rows())
     throw std::invalid_argument("modes are read off z and lambda of a solution");
-  const Vector mass = p.M.diagonal(), light = mass.cwiseInverse();
+  Vector mass = Vector::Zero(p.size()), left = Vector::Zero(p.size());
+  for (Index j = 0; j < p.size(); ++j)
+    for (SparseMatrix::InnerIterator it(p.M, j); it; ++it) {
+      left[it.row()] += it.value() * (z[j] - p.z_u[j]);
+      if (it.row() == j) mass[j] = it.value();
+    }
+  const Vector light = mass.cwiseInverse();
   owner_.assign(at(p.rows()), 0);
   change_.c.setConstant(p.rows(), -infinity);
   slack_.resize(p.rows());
   half_ = (p.z_u - z) / 2;
-  Vector unit(p.rows()), left = p.M * (z - p.z_u);  // a motion of length 1 moves a row by a `unit`
+  Vector unit(p.rows());  // a motion of length 1 moves a row by a `unit`
   for (Index i = 0; i < p.rows(); ++i) {
     double own = -p.c[i], squares = 0;
     for (RowMatrix::InnerIterator it(p.J, i); it; ++it) {
@@ -56,6 +62,7 @@ SolutionDerivative::SolutionDerivative(const Problem& p, const Values& z, const 
   off = length(left.cwiseProduct(light));
   by_mu.setZero(p.rows());
   std::vector<Index> held;
+  held.reserve(at(p.rows()));
   const double zero = tolerances::derivative_tie * motion, opening = ConeLaw::of(p.law).opening();
   for (Index i = 0, tangents = 0; i < p.rows(); i += 1 + tangents) {
     tangents = p.has_tangents() ? p.tangents(i) : 0;
@@ -120,7 +127,7 @@ SolutionDerivative::Bars SolutionDerivative::back(const Values& z_bar, const Val
   Sides sides{Vector::Zero(n), z_bar, Vector::Zero(m)};
   if (lambda_bar.size() > 0) sides.moved = lambda_bar;
   Bars bars{solve(sides, true), {}, Vector::Zero(m)};
-  bars.z_u = change_.M * bars.change.z;
+  if (n > 0) bars.z_u = workspace().program.momentum(change_, bars.change.z);
   if (!slides()) return bars;
   const Vector moved = change_.J * bars.change.z + sides.moved;
   for (const Index i : rows)
@@ -239,16 +246,17 @@ SolutionDerivative::Change SolutionDerivative::once(const Sides& sides, bool bac
       last = std::exchange(length, program.length(equations.dv));
       // Ties that the first step finds wrong by more than it is off are not worth another.
       is_settled = ties.empty() || last < infinity || flip(tolerances::promise_softness) == 0;
-    } while (is_settled && length > 0 &&
-             (last == infinity ||
-              (length * length > tolerances::derivative_ends * program.scale(v) * last && !(length > last / 2))));
+    } while (
+        is_settled && length > 0 &&
+        (last == infinity || (length * std::pow(length / last, 1.5) > tolerances::derivative_ends * program.scale(v) &&
+                              !(length > last / 2))));
     is_settled = is_settled && flip(tolerances::derivative_still) == 0;
   }
   if (is_settled && !(equations.missed(program, s) <= tolerances::derivative_meets * program.scale(v)))
     throw std::invalid_argument("rows that push do not hold together");
   program.write(change_, v, y, work.answer);
   const Vector& z = work.answer.z;
-  const double way = std::ldexp(program.length(v), program.exponent()), rest = z.dot(change_.M * z);
+  const double way = std::ldexp(program.length(v), program.exponent()), rest = z.dot(program.momentum(change_, z));
   work.owner = number_;
   const double up = std::ldexp(1.0, unit);
   return {up * z, up * work.answer.lambda, *is_unique_, is_settled, way * way > tolerances::derivative_undone * rest};

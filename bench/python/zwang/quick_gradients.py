@@ -113,7 +113,7 @@ class QuickGradient(Kink):
 
     def vjp(self, z_bar, lambda_bar=None, wrt=NAMES):
         """As Gradient.vjp."""
-        p, names = self.problem, wanted(wrt)
+        p, names = self.problem, wrt if type(wrt) is tuple else wanted(wrt)
         if self.kink:
             raise ValueError(f"no gradient: kink: {', '.join(self.kink_names)}")
         z_bar = plain(z_bar, "z_bar")
@@ -121,6 +121,7 @@ class QuickGradient(Kink):
         try:
             out, unique = self.keeps.back(z_bar, lambda_bar, NAMES if self.laid else names)
         except ValueError as bad:
+            wanted(names)
             finite(z_bar, "z_bar", p.size)
             raise ValueError(f"no gradient: {bad}") from None
         self.require_unique(unique)
