@@ -96,11 +96,11 @@ concept HasSlip = C::rows == 1 && C::kind == RowKind::inequality && requires(con
 };
 
 // Has C a member of that name, whatever its signature? Then `&Beside<C>::name` is ambiguous.
-struct Optional {
+struct OptionalMembers {
   int jacobian, compliance, active, slip;
 };
 template <class C>
-struct Beside : C, Optional {};
+struct Beside : C, OptionalMembers {};
 // An optional member that is a little off would be left out without a word.
 template <class C>
 constexpr bool require_optional_members() {
