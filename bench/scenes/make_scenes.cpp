@@ -23,12 +23,12 @@ std::vector<std::string> split_outside_parentheses(std::string_view text) {
   return parts;
 }
 
+// A number, or 2^-13, as ./zwang scenes prints small powers of two.
 double parse_number(const std::string& scene, const std::string& knob, const std::string& text) {
-  if (const std::optional<double> value = number_in<double>(text)) return *value;
+  const bool power = text.starts_with("2^");
+  if (const auto value = number_in<double>(text.substr(power ? 2 : 0))) return power ? std::exp2(*value) : *value;
   throw std::invalid_argument("scene '" + scene + "': " + knob + "=" + text + " should be a number");
 }
-
-std::string format(double value) { return printed("%g", value); }
 
 struct KnobValues {
   const Knob* knob;
@@ -44,8 +44,8 @@ void append_values(const SceneEntry& scene, const std::string& text, KnobValues&
   const std::string place = "scene '" + scene.name + "': " + k.name + "=";
   for (const double v : {low, high})
     if (!(v >= k.low && v <= k.high) || (k.integer && v != std::floor(v)))
-      throw std::invalid_argument(place + format(v) + " should be " + (k.integer ? "an integer" : "a number") +
-                                  " from " + format(k.low) + " to " + format(k.high));
+      throw std::invalid_argument(
+          place + printed("%g should be %s from %g to %g", v, k.integer ? "an integer" : "a number", k.low, k.high));
   if (!(high >= low && high - low <= 1e6))
     throw std::invalid_argument(place + text + " should rise, over a million values at most");
   for (int i = 0; low + i <= high; ++i) out.values.push_back(low + i);
@@ -93,10 +93,9 @@ std::vector<Instance> make_scenes(std::string_view text, std::uint64_t seed, std
     auto chosen = open == std::string::npos ? std::vector<KnobValues>()
                                             : parse_knobs(*scene, part.substr(open + 1, part.size() - open - 2));
     const auto asked = std::ranges::find(scene->knobs, "mu", &Knob::name);
-    const auto says_mu = [](const KnobValues& k) { return k.knob->name == "mu"; };
-    if (mu && asked != scene->knobs.end() && std::ranges::none_of(chosen, says_mu)) {
+    if (mu && asked != scene->knobs.end() && std::ranges::find(chosen, &*asked, &KnobValues::knob) == chosen.end()) {
       chosen.push_back({&*asked, {}});
-      append_values(*scene, format(*mu), chosen.back());
+      append_values(*scene, printed("%g", *mu), chosen.back());
     }
     std::vector<std::pair<Knobs, std::string>> combinations(1);  // with their labels
     for (const Knob& k : scene->knobs)
@@ -105,7 +104,7 @@ std::vector<Instance> make_scenes(std::string_view text, std::uint64_t seed, std
       std::vector<std::pair<Knobs, std::string>> longer;
       for (const auto& [knobs, label] : combinations)
         for (const double value : values) {
-          longer.emplace_back(knobs, label + (label.empty() ? "" : ",") + knob->name + "=" + format(value));
+          longer.emplace_back(knobs, label + (label.empty() ? "" : ",") + knob->name + printed("=%g", value));
           longer.back().first[knob->name] = value;
         }
       combinations = std::move(longer);

@@ -96,6 +96,16 @@ TEST(Families, KnobsOutOfRangeOrOrderAreRefused) {
     EXPECT_THROW(make_scenes(text), std::invalid_argument) << text;
 }
 
+TEST(Families, KnobsTakeWhatScenesPrints) {
+  const auto sha256 = [](const char* text) { return problem_sha256(make_scenes(text).at(0).problem); };
+  EXPECT_EQ(sha256("hand(drift=2^-13)"), sha256("hand"));
+  EXPECT_EQ(sha256("hand(drift=2^-7)"), sha256("hand(drift=0.0078125)"));
+  EXPECT_NE(sha256("hand(drift=2^-7)"), sha256("hand"));
+  EXPECT_EQ(make_scenes("tower(boxes=2^1..2^2)").size(), 3u);
+  for (const char* text : {"hand(drift=2^)", "hand(drift=2^-7x)", "hand(drift=2^9999)", "hand(drift=3^-7)"})
+    EXPECT_THROW(make_scenes(text), std::invalid_argument) << text;
+}
+
 TEST(Families, ZeroPointsAreFeasible) {
   for (const char* text : {"LOOP(k=60)", "GAP(k=60)", "INC(k=60)", "WEAK(k=60)", "GAP(k=3,feasible=1)"}) {
     const Instance in = make_scenes(text).at(0);
