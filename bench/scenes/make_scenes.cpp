@@ -95,7 +95,7 @@ std::vector<Instance> make_scenes(std::string_view text, std::uint64_t seed, std
     const auto asked = std::ranges::find(scene->knobs, "mu", &Knob::name);
     if (mu && asked != scene->knobs.end() && std::ranges::find(chosen, &*asked, &KnobValues::knob) == chosen.end()) {
       chosen.push_back({&*asked, {}});
-      append_values(*scene, printed("%g", *mu), chosen.back());
+      append_values(*scene, printed("%.17g", *mu), chosen.back());
     }
     std::vector<std::pair<Knobs, std::string>> combinations(1);  // with their labels
     for (const Knob& k : scene->knobs)

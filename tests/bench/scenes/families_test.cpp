@@ -106,6 +106,11 @@ TEST(Families, KnobsTakeWhatScenesPrints) {
     EXPECT_THROW(make_scenes(text), std::invalid_argument) << text;
 }
 
+TEST(Families, FrictionOfAllScenesIsTheWholeNumber) {
+  constexpr double mu = 1. / 3;
+  EXPECT_EQ(make_scenes("wall", 1, mu).at(0).problem.mu.maxCoeff(), mu);
+}
+
 TEST(Families, ZeroPointsAreFeasible) {
   for (const char* text : {"LOOP(k=60)", "GAP(k=60)", "INC(k=60)", "WEAK(k=60)", "GAP(k=3,feasible=1)"}) {
     const Instance in = make_scenes(text).at(0);
