@@ -13,7 +13,9 @@ import os
 import pathlib
 import shlex
 import shutil
+import signal
 import sys
+import tempfile
 import time
 
 import page
@@ -281,12 +283,14 @@ def main(words):
         print(f"{engine.name}: not here; {engine.how}")
     if not here:
         wrong_use("no engine is here")
+    # A place that cannot be written is said before minutes are spent.
+    wanted.out.mkdir(parents=True, exist_ok=True)
+    tempfile.TemporaryFile(dir=wanted.out).close()
     began = time.monotonic()
     cells, about, motions = whole_run(here, chosen, wanted.deadline, show)
     others = None
     if wanted.twice:
         others = differing(cells, whole_run(here, chosen, wanted.deadline, show, backwards=True)[0])
-    wanted.out.mkdir(parents=True, exist_ok=True)
     numbers = {"steps": [str(dt) for dt in STEPS], "engines": about, "absent": {e.name: e.how for e in absent}, "differ": others, "cells": cells}
     (wanted.out / "results.json").write_text(json.dumps(numbers, indent=1) + "\n")
     (wanted.out / "index.html").write_text(page.html(numbers, motions, chosen, HERE, ROOT))
@@ -301,4 +305,15 @@ def main(words):
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+    try:
+        try:
+            code = main(sys.argv[1:])
+        finally:
+            sys.stdout.flush()
+    except BrokenPipeError:  # nobody reads on: ended as any other program is
+        signal.signal(signal.SIGPIPE, signal.SIG_DFL)
+        os.kill(os.getpid(), signal.SIGPIPE)
+    except OSError as bad:
+        print(f"{bad.filename or 'output'}: {bad.strerror}", file=sys.stderr)
+        os._exit(3)  # nothing is written once more
+    sys.exit(code)

@@ -12,7 +12,6 @@ import json
 import math
 import pathlib
 import shutil
-import signal
 import statistics
 import subprocess
 import sys
@@ -571,8 +570,7 @@ def main():
     asked = options.parse_args()
     if bool(asked.problems) == bool(asked.run) or asked.jobs < 1 or not asked.time_limit > 0 or not asked.within > 0 or not asked.search >= 0:
         files.fail("expected files or folders, or --run DIR; --jobs from 1 on; times of at least 0 s")
-    out = pathlib.Path(asked.out)
-    out.mkdir(parents=True, exist_ok=True)
+    out = files.made(asked.out)
     if asked.run and not (pathlib.Path(asked.run) / "results.jsonl").exists():
         files.fail(f"{asked.run}: no results.jsonl there", files.BAD_FILE)
     runs, cut, bad = ([pathlib.Path(asked.run)], [], 0) if asked.run else compare(asked, out)
@@ -607,5 +605,4 @@ def main():
 
 
 if __name__ == "__main__":
-    signal.signal(signal.SIGINT, signal.SIG_DFL)  # whole runs are kept
-    sys.exit(main())
+    files.as_program(main)

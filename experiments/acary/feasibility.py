@@ -8,7 +8,6 @@ import argparse
 import itertools
 import json
 import pathlib
-import signal
 import sys
 from fractions import Fraction as F
 
@@ -350,7 +349,7 @@ def main():
     asked = options.parse_args()
     if not (asked.what or asked.edge) or not asked.time_limit > 0:
         files.fail("expected files, folders, scenes or --edge; --time-limit above 0 s")
-    out = pathlib.Path(asked.out)
+    out = files.made(asked.out)
     what = asked.what + ([str(path) for path in edge.write(out / "edge")] if asked.edge else [])
     found, written = [], {}
 
@@ -380,5 +379,4 @@ def main():
 
 
 if __name__ == "__main__":
-    signal.signal(signal.SIGINT, signal.SIG_DFL)  # what is found is written
-    sys.exit(main())
+    files.as_program(main)

@@ -1,11 +1,14 @@
 """Problem files of any kind as arrays, through the program's own reader."""
 import argparse
 import json
+import os
 import pathlib
 import re
 import shlex
+import signal
 import subprocess
 import sys
+import tempfile
 
 import h5py
 import numpy as np
@@ -17,6 +20,32 @@ SUFFIXES = (".h5", ".hdf5", ".dat")
 def fail(line, code=WRONG_USE):
     print(line, file=sys.stderr)
     sys.exit(code)
+
+
+def as_program(main):
+    """Ends with what main() returns; that nobody reads on, or a file cannot be written, as in any other program."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)  # what was found before is written
+    signal.signal(signal.SIGPIPE, signal.SIG_DFL)
+    try:
+        try:
+            code = main()
+        finally:
+            sys.stdout.flush()
+    except OSError as bad:
+        print(f"{bad.filename or 'output'}: {bad.strerror or bad}", file=sys.stderr)
+        os._exit(BAD_FILE)  # nothing is written once more
+    sys.exit(code)
+
+
+def made(folder):
+    """The folder as a path. That it cannot be written is said before minutes are spent."""
+    folder = pathlib.Path(folder)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        tempfile.TemporaryFile(dir=folder).close()
+    except OSError as bad:
+        fail(f"{folder}: {bad.strerror}", BAD_FILE)
+    return folder
 
 
 class Options(argparse.ArgumentParser):

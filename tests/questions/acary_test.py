@@ -97,4 +97,7 @@ with tempfile.TemporaryDirectory() as folder:
     for words, code in ((["--run", folder], 3), ([], 2), ([folder / "empty"], 3), ([problems, "--within", "0"], 2), ([problems, "--jobs", "x"], 2), (["--nothing"], 2), ([problems, "--jobs", "0"], 2), ([folder / "again" / "none"], 3)):
         wrong = subprocess.run([sys.executable, SCRIPT, PROGRAM, *words, "--out", folder / "wrong"], capture_output=True, text=True)
         check(f"wrong use of {words}", wrong.returncode == code and wrong.stderr.count("\n") == 1, (wrong.returncode, wrong.stderr))
+    for out in ("/proc/x", SCRIPT):
+        wrong = subprocess.run([sys.executable, SCRIPT, PROGRAM, problems, "--out", out], capture_output=True, text=True)
+        check(f"{out} costs one line", wrong.returncode == 3 and wrong.stderr.startswith(f"{out}: ") and wrong.stderr.count("\n") == 1, (wrong.returncode, wrong.stderr))
 sys.exit(failures > 0)

@@ -218,6 +218,8 @@ def test_program():
                                 capture_output=True, text=True).returncode for what in (scenes, ["JAM"])]
         check("a folder is gone on with, and not for others", again == [0, 2], again)
         check("a wrong name is one line", done.returncode == 2 and done.stderr.count("\n") == 1, done.stderr)
+        done = subprocess.run([sys.executable, str(ROOT / "experiments/acary/feasibility.py"), PROGRAM, "JAM", "--out", "/proc/x"], capture_output=True, text=True)
+        check("a folder that cannot be is one line", (done.returncode, done.stderr) == (3, "/proc/x: No such file or directory\n"), done.stderr)
 
 
 test_spatial()

@@ -255,6 +255,16 @@ class Kit(unittest.TestCase):
             done = subprocess.run([sys.executable, source / "bench/engines/engines.py", *words], capture_output=True, text=True)
             self.assertEqual((done.returncode, done.stderr.count("\n")), (2, 1), (words, done.stderr))
 
+    def test_what_cannot_be_written_is_one_line(self):
+        run = [sys.executable, source / "bench/engines/engines.py", "--engines"]
+        for out in ("/proc/x", __file__):
+            done = subprocess.run([*run, "none", "--adapter", "none=/nowhere/none", "--out", out], capture_output=True, text=True, timeout=60)
+            self.assertEqual((done.returncode, done.stderr.count("\n"), done.stdout), (3, 1, ""), done.stderr)
+            self.assertTrue(done.stderr.startswith(f"{out}: "), done.stderr)
+        with open("/dev/full", "w") as full:
+            done = subprocess.run(["env", "-u", "PYTHONUNBUFFERED", *run, "--help"], stdout=full, stderr=subprocess.PIPE, text=True)
+        self.assertEqual((done.returncode, done.stderr), (3, "output: No space left on device\n"))
+
 
 if __name__ == "__main__":
     unittest.main()
