@@ -1,7 +1,7 @@
 """`./zwang campaign`: a suite in tasks, started by Slurm, GNU parallel or xargs. docs/campaigns.md.
 
 DIR/job.sh runs one task, DIR/parts/K is its result, DIR/campaign.json what is asked and what was started. The program
-holds this text and the job's, and runs it: python3 -c TEXT JOB PROGRAM WORDS...
+holds this text (held.py) and the job's.
 """
 import argparse
 import contextlib
@@ -283,7 +283,7 @@ def engine_named(name):
     return name
 
 
-def main(job, program, *words):
+def asked_for(job, program, words):
     options = Options(
         prog="./zwang campaign", usage="./zwang campaign [SUITE] [OPTIONS]", allow_abbrev=False,
         formatter_class=lambda prog: argparse.RawDescriptionHelpFormatter(prog, max_help_position=34, width=100),
@@ -337,10 +337,10 @@ def interrupt(*_):
     raise KeyboardInterrupt
 
 
-signal.signal(signal.SIGPIPE, signal.SIG_DFL)  # nobody reads on: ended as any other program is
-for number in (signal.SIGINT, signal.SIGTERM):
-    signal.signal(number, interrupt)
-try:
-    sys.exit(main(*sys.argv[1:]))
-except KeyboardInterrupt:
-    sys.exit(STOPPED)
+def main(job, program, *words):
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, interrupt)
+    try:
+        return asked_for(job, program, words)
+    except KeyboardInterrupt:
+        return STOPPED

@@ -1,7 +1,7 @@
 """`./zwang merge` and `./zwang bench --missing`: parts of a suite joined into one run; which of its runs are not there. docs/campaigns.md.
 
-The program holds this text and runs it: python3 -c TEXT PROGRAM WORDS..., or --missing DIR... in place of the words. It is
-asked whether stored problems are what their hash says.
+The program holds this text (held.py), gives it the words or --missing DIR..., and is asked whether stored problems are what
+their hash says.
 """
 import argparse
 import array

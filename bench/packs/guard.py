@@ -1,7 +1,7 @@
 """`./zwang guard`: one solver's answers to a pack before and after a change. docs/guard.md.
 
 Both sides are judged as `./zwang judge` does; this compares the judgements' rows (docs/formats.md). The program holds
-this text and runs it: python3 -c TEXT PROGRAM WORDS...
+this text (held.py).
 """
 import argparse
 import json
@@ -248,6 +248,3 @@ def main(program, *words):
         write(asked.junit, guarded.junit())
     print(f"Map: {os.path.join(folder, 'map.svg')}   report: {report}")
     return 1 if guarded.is_worse() else 0
-
-
-sys.exit(main(*sys.argv[1:]))

@@ -1,6 +1,6 @@
 """`./zwang judge --junit FILE`: verdicts as JUnit's XML, a test case an answer.
 
-The program holds this text and runs it: python3 -c TEXT PROGRAM RESULTS FILE CODE; it ends with that exit code.
+The program holds this text (held.py), which ends with the exit code that it is given.
 """
 import json
 import sys
@@ -25,16 +25,16 @@ def case(row):
     return f"><failure message={quoted('claimed ' + row['claimed'] + ', verified ' + row['verified'])}/></testcase>"
 
 
-_, _, results, file, code = sys.argv
-try:
-    with open(results, encoding="utf-8") as lines:
-        rows = [row for row in map(json.loads, lines) if not row["solver"].startswith("recorded:")]
-    cases = [f"  <testcase classname={quoted(row['solver'])} name={quoted(row['problem'])}{case(row)}\n" for row in rows]
-    failures, skipped = (sum(mark in one for one in cases) for mark in ("><failure message=", "><skipped/>"))
-    with open(file, "w", encoding="utf-8") as out:
-        out.write(f'<?xml version="1.0" encoding="UTF-8"?>\n<testsuite name="zwang" tests="{len(rows)}" failures="{failures}" '
-                  f'skipped="{skipped}">\n{"".join(cases)}</testsuite>\n')
-except OSError:
-    print(f"{file}: cannot be written", file=sys.stderr)
-    sys.exit(3)
-sys.exit(int(code))
+def main(_, results, file, code):
+    try:
+        with open(results, encoding="utf-8") as lines:
+            rows = [row for row in map(json.loads, lines) if not row["solver"].startswith("recorded:")]
+        cases = [f"  <testcase classname={quoted(row['solver'])} name={quoted(row['problem'])}{case(row)}\n" for row in rows]
+        failures, skipped = (sum(mark in one for one in cases) for mark in ("><failure message=", "><skipped/>"))
+        with open(file, "w", encoding="utf-8") as out:
+            out.write(f'<?xml version="1.0" encoding="UTF-8"?>\n<testsuite name="zwang" tests="{len(rows)}" failures="{failures}" '
+                      f'skipped="{skipped}">\n{"".join(cases)}</testsuite>\n')
+    except OSError:
+        print(f"{file}: cannot be written", file=sys.stderr)
+        return 3
+    return int(code)

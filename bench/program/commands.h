@@ -32,8 +32,9 @@ void print_solutions(const Instance& instance, bool json);
 
 // Goes on as another program, found as a shell finds it. Throws BadFile where it cannot be run.
 int continue_as(const std::string& file, const std::vector<std::string>& words);
-// Goes on as a script for python3, whose arguments are `before`, this program, `words`. Throws likewise.
-int continue_as_script(std::string_view script, std::vector<std::string> before, const std::vector<std::string>& words);
+// Goes on as the last of these scripts (held.py), as main(before, this program, words). Throws likewise.
+int continue_as_files(const std::vector<std::pair<std::string, std::string_view>>& files,
+                      const std::vector<std::string>& words, const std::vector<std::string>& before = {});
 // Writes the report of a run in a process of its own, by the words of report.py; returns its exit code.
 int write_report(const std::vector<std::string>& words, bool silent = false);
 // Goes on as the script behind bench --gradients: a folder, a seed, laws and scenes ("": its own).

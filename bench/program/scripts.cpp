@@ -33,25 +33,19 @@ ZWANG_EMBEDDED(stability_json, ZWANG_STABILITY_JSON)
 namespace zwang {
 namespace {
 
-// Goes on as the last of these files, by their names (held.py).
-int continue_as_files(const std::vector<std::pair<std::string, std::string_view>>& files,
-                      const std::vector<std::string>& words) {
-  std::vector<std::string> before = {std::to_string(files.size())};
-  for (const auto& [name, text] : files) before.insert(before.end(), {name, std::string(text)});
-  return continue_as_script(held_script(), before, words);
-}
-
 std::string from_stdin() { return {std::istreambuf_iterator<char>(std::cin), {}}; }
 
 }  // namespace
 
-int continue_as_script(std::string_view script, std::vector<std::string> before,
-                       const std::vector<std::string>& words) {
-  before.insert(before.begin(), {"-c", std::string(script)});
-  before.push_back(std::filesystem::read_symlink("/proc/self/exe").string());
-  before.insert(before.end(), words.begin(), words.end());
+int continue_as_files(const std::vector<std::pair<std::string, std::string_view>>& files,
+                      const std::vector<std::string>& words, const std::vector<std::string>& before) {
+  std::vector<std::string> all = {"-c", std::string(held_script()), std::to_string(files.size())};
+  for (const auto& [name, text] : files) all.insert(all.end(), {name, std::string(text)});
+  all.insert(all.end(), before.begin(), before.end());
+  all.push_back(std::filesystem::read_symlink("/proc/self/exe").string());
+  all.insert(all.end(), words.begin(), words.end());
   std::fflush(stdout);
-  return continue_as("python3", before);
+  return continue_as("python3", all);
 }
 
 // `:page KIND`: that page, of the data in stdin. `:draw DATA FIGURES TABLES`: charts and tables for print.
@@ -90,7 +84,7 @@ int write_report(const std::vector<std::string>& words, bool silent) {
 }
 
 int campaign_command(std::vector<std::string> words) {
-  return continue_as_script(campaign_script(), {std::string(job_template())}, words);
+  return continue_as_files({{"campaign.py", campaign_script()}}, words, {std::string(job_template())});
 }
 
 // `:sound`: of each pair of lines, a file and a hash, whether it is that problem.
@@ -112,14 +106,14 @@ int league_command(std::vector<std::string> words) {
   return continue_as_files({{"results.py", results_script()}, {"league.py", league_script()}}, words);
 }
 
-int guard_command(std::vector<std::string> words) { return continue_as_script(guard_script(), {}, words); }
+int guard_command(std::vector<std::string> words) { return continue_as_files({{"guard.py", guard_script()}}, words); }
 
 int compare_gradients(const std::vector<std::string>& words) {
   return continue_as_files({{"gradients.py", gradients_script()}}, words);
 }
 
 int write_junit(const std::filesystem::path& results, const std::string& file, int code) {
-  return continue_as_script(junit_script(), {}, {results.string(), file, std::to_string(code)});
+  return continue_as_files({{"junit.py", junit_script()}}, {results.string(), file, std::to_string(code)});
 }
 
 }  // namespace zwang

@@ -54,7 +54,7 @@ int bench_collision(const std::filesystem::path& directory, const std::string& c
                                     {"compiler", c.compiler}, {"flags", c.flags},
                                     {"build", c.build_type},  {"CPU", c.cpu},
                                     {"cores", c.cores},       {"libraries", c.libraries}};
-  return continue_as_script(collision_script(), {described.dump()}, {directory.string(), command});
+  return continue_as_files({{"collision.py", collision_script()}}, {directory.string(), command}, {described.dump()});
 }
 
 }  // namespace zwang

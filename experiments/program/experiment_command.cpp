@@ -124,7 +124,7 @@ int hand(const std::string& contacts, const std::string& limits) {
 
 }  // namespace
 
-int hand_command(std::vector<std::string> words) { return continue_as_script(hand_script(), {}, words); }
+int hand_command(std::vector<std::string> words) { return continue_as_files({{"hand.py", hand_script()}}, words); }
 
 int experiment_command(std::vector<std::string> words) {
   const std::string part = words.empty() ? "" : words[0];
@@ -139,7 +139,7 @@ int experiment_command(std::vector<std::string> words) {
   const Conditions c = conditions();
   const std::string circumstances =
       "zwang " + c.commit.substr(0, 12) + (c.dirty ? ", changed" : "") + ", " + c.compiler + ", " + c.cpu;
-  return continue_as_script(questions_script(), {recorded_data().string(), circumstances}, words);
+  return continue_as_files({{"questions.py", questions_script()}}, words, {recorded_data().string(), circumstances});
 }
 
 }  // namespace zwang

@@ -1,7 +1,7 @@
 """`./zwang bench --suite collision`: pair queries by triangle count and gap, and a hand in every scene. docs/collision.md.
 
-The program holds this text and runs it: python3 -c TEXT CONDITIONS PROGRAM DIR COMMAND. It asks the program for each study, a
-line of JSON (experiments/program/collision_suite.cpp), and leaves all of them in DIR/collision.json after every one.
+The program holds this text (held.py), and is asked for each study, a line of JSON (experiments/program/collision_suite.cpp); all
+of them are left in DIR/collision.json after every one.
 """
 import json
 import os
@@ -110,12 +110,12 @@ class Suite:
         return subprocess.run([self.program, "report", os.path.dirname(self.file)]).returncode or (0 if whole else STOPPED)
 
 
-def interrupt(*_):
-    signal.signal(signal.SIGINT, signal.SIG_DFL)  # a second Ctrl-C ends the program at once
-    suite.interrupted = True
+def main(*words):
+    suite = Suite(*words)
 
-
-suite = Suite(*sys.argv[1:])
-for number in (signal.SIGINT, signal.SIGTERM):
-    signal.signal(number, interrupt)
-sys.exit(suite.run())
+    def interrupt(*_):
+        signal.signal(signal.SIGINT, signal.SIG_DFL)  # a second Ctrl-C ends the program at once
+        suite.interrupted = True
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, interrupt)
+    return suite.run()

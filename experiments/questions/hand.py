@@ -1,16 +1,14 @@
 """`./zwang hand --matrix`: the sparsity of the problem of one pressed hand.
 
-The program holds this text and runs it: python3 -c TEXT PROGRAM WORDS... It is asked for the entries of J.
+The program holds this text (held.py), and is asked for the entries of J.
 """
 import argparse
 import itertools
 import json
-import os
-import signal
 import subprocess
 import sys
 
-WRONG_USE, BAD_FILE = 2, 3
+WRONG_USE = 2
 PLURALS = {"universal_joint": "universal joints", "revolute_joint": "revolute joints", "joint_limit": "limits"}
 BLOCKS = " ▘▝▀▖▌▞▛▗▚▐▜▄▙▟█"  # two rows and two columns a character
 
@@ -64,13 +62,3 @@ def main(program, *words):
     entries = hand["entries"]
     print(f"J is {len(rows)} x {columns} with {entries} entries that are not zero: {100 * entries / (len(rows) * columns):.1f} %")
     return 0
-
-
-signal.signal(signal.SIGPIPE, signal.SIG_DFL)  # nobody reads on: ended as any other program is
-try:
-    code = main(*sys.argv[1:])
-    sys.stdout.flush()
-except OSError as bad:
-    print(f"output: {bad.strerror}", file=sys.stderr)
-    os._exit(BAD_FILE)  # nothing is written once more
-sys.exit(code)

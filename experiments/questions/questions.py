@@ -1,7 +1,7 @@
 """`./zwang experiment`: the questions of the paper, each a table beside its figures, and charts. docs/experiments.md.
 
-The program holds this text and runs it: python3 -c TEXT DATA CIRCUMSTANCES PROGRAM WORDS... It asks the program for frames of
-the god hand and for solves, a line of JSON each (experiments/program/experiment_command.cpp).
+The program holds this text (held.py), and is asked for frames of the god hand and for solves, a line of JSON each
+(experiments/program/experiment_command.cpp).
 """
 import argparse
 import csv
@@ -682,8 +682,3 @@ Questions:
             return code
         print(flush=True)
     return 0
-
-
-if __name__ == "__main__":
-    signal.signal(signal.SIGPIPE, signal.SIG_DFL)  # nobody reads on: ended as any other program is
-    sys.exit(main(*sys.argv[1:]))

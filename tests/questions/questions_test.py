@@ -89,9 +89,10 @@ def unread():
     drawing = subprocess.Popen([program, "hand", "--matrix"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     drawing.stdout.close()
     check("an unread matrix ends quietly", drawing.stderr.read() == "" and drawing.wait() == -signal.SIGPIPE, drawing.returncode)
-    with open("/dev/full", "w", encoding="utf-8") as full:
-        drawing = subprocess.run([program, "hand", "--matrix"], stdout=full, stderr=subprocess.PIPE, text=True)
-    check("a full disk costs one line", drawing.returncode == 3 and drawing.stderr == "output: No space left on device\n", drawing)
+    for words in (("hand", "--matrix"), ("experiment", "--help"), ("experiment", "printed-step", "--out", "out"), ("campaign", "--help"), ("guard", "--help")):
+        with open("/dev/full", "w", encoding="utf-8") as full:
+            writing = subprocess.run(["env", "-u", "PYTHONUNBUFFERED", program, *words], stdout=full, stderr=subprocess.PIPE, text=True, timeout=300)
+        check(f"a full disk costs {words} one line", writing.returncode == 3 and writing.stderr == "output: No space left on device\n", writing)
 
 
 with tempfile.TemporaryDirectory() as folder:
