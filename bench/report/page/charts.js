@@ -55,18 +55,29 @@
       if (seconds >= size || unit === 'ns') return `${Number((seconds / size).toPrecision(3))} ${unit}`;
   }
 
-  const is_labelled = (value, span, short) => {
-    const m = mantissa(value), whole = Math.round(m);
-    return Math.abs(m - whole) < 1e-6 && (whole === 1 || (span < short && [2, 5].includes(whole)) || (span < 1 && whole % 2 === 1));
+  // Decades; 2 and 5 only where the axis is short, odd ones where it is very short, and the steps of a fifth or a few where
+  // fewer than two of those lie on it. Vega's own ticks, some twenty, have them among them.
+  const is_labelled = (value, domain, short, finest = 0) => {
+    const span = decades(domain), [low, high] = domain;
+    const is_round = at => {
+      const m = mantissa(at), whole = Math.round(m);
+      return Math.abs(m - whole) < 1e-6 && (whole === 1 || (span < short && [2, 5].includes(whole)) || (span < 1 && whole % 2 === 1));
+    };
+    if (span >= 1) return is_round(value);
+    if (!(low < high)) return true;
+    const wholes = [0, 1].flatMap(k => [1, 2, 3, 5, 7, 9].map(whole => whole * 10 ** (Math.floor(Math.log10(low)) + k)));
+    if (wholes.filter(at => at >= low && at <= high).length > 1) return is_round(value);
+    const fifth = (high - low) / 4, power = 10 ** Math.floor(Math.log10(fifth)), over = fifth / power;
+    const step = Math.max(finest, power * (over >= Math.sqrt(50) ? 10 : over >= Math.sqrt(10) ? 5 : over >= Math.sqrt(2) ? 2 : 1));
+    return Math.abs(value / step - Math.round(value / step)) < 1e-6;
   };
   const functions = {
     power_label: (value, domain) => {
       const m = Math.round(mantissa(value));
-      return domain && !is_labelled(value, decades(domain), 2.3) ? '' : `${m === 1 ? '' : `${m}·`}10${superscript(Math.round(Math.log10(value / m)))}`;
+      return domain && !is_labelled(value, domain, 2.3) ? '' : `${m === 1 ? '' : `${m}·`}10${superscript(Math.round(Math.log10(value / m)))}`;
     },
-    // Label decades; 2 and 5 only where the axis is short, odd ones where it is very short.
-    time_label: (value, domain) => is_labelled(value, decades(domain), 2.3) ? duration(value) : '',
-    size_label: (value, domain) => is_labelled(value, decades(domain), 3) ? value.toLocaleString('en') : '',
+    time_label: (value, domain) => is_labelled(value, domain, 2.3) ? duration(value) : '',
+    size_label: (value, domain) => is_labelled(value, domain, 3, 1) ? value.toLocaleString('en') : '',
     // A problem's knob value stands for it: "GAP(k=44)" -> 44; powers of two far from 1 as such.
     knob_label: problem => {
       const text = /=([^,)]*)/.exec(problem)?.[1] ?? '', power = Math.log2(text);

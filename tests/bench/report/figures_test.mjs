@@ -8,6 +8,20 @@ import '../../../bench/report/page/labels.js';
 import {to_csv, to_tex} from '../../../bench/report/page/table_files.mjs';
 import {written} from './written.mjs';
 
+// Of Vega's ticks on a short axis some are named, each by another name.
+{
+  const named = {};
+  zwang_charts.register({expressionFunction: (name, call) => { named[name] = call; }});
+  const steps = (from, step, to) => Array.from({length: Math.round((to - from) / step) + 1}, (_, k) => from + k * step);
+  const labels = (name, ticks, domain) => ticks.map(tick => named[name](tick, domain)).filter(label => label !== '');
+  assert.deepEqual(labels('time_label', steps(1.1e-5, 5e-7, 1.9e-5), [1.1e-5, 1.9e-5]), ['12 µs', '14 µs', '16 µs', '18 µs']);
+  assert.deepEqual(labels('time_label', steps(2.2e-5, 2e-6, 4.8e-5), [2.1e-5, 4.9e-5]), ['30 µs', '40 µs']);
+  assert.deepEqual(labels('time_label', [8e-6, 9e-6, 1e-5, 2e-5, 3e-5], [8e-6, 3e-5]), ['9 µs', '10 µs', '20 µs', '30 µs']);
+  assert.deepEqual(labels('time_label', [1e-5, 2e-5, 5e-5, 1e-4, 2e-4], [1e-5, 2e-4]), ['10 µs', '20 µs', '50 µs', '100 µs', '200 µs']);
+  assert.deepEqual(labels('size_label', steps(4, 0.05, 5), [4, 5]), ['4', '5']);
+  assert.deepEqual(labels('time_label', [3.3e-5], [3.3e-5, 3.3e-5]), ['33 µs']);
+}
+
 const here = new URL('.', import.meta.url).pathname;
 const dir = fs.mkdtempSync(`${os.tmpdir()}/zwang-figures-`);
 try {
