@@ -1,4 +1,3 @@
-#include <unistd.h>
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
@@ -175,7 +174,6 @@ int bench_command(std::vector<std::string> words, CollisionSuite collision) {
   }
   settings.cache = reference_cache();
   settings.command = command;
-  settings.terminal = isatty(STDERR_FILENO) == 1;
 
   // scene -> assemble -> problem
   const Plan plan = asked.resume.empty()

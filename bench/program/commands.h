@@ -10,21 +10,9 @@ namespace zwang {
 
 // `collision`: runs that suite; null: the whole program does.
 int bench_command(std::vector<std::string> words, CollisionSuite collision);
-int solve_command(std::vector<std::string> words);
-int solvers_command(std::vector<std::string> words);
-int scenes_command(std::vector<std::string> words);
-int export_command(std::vector<std::string> words);
-int report_command(std::vector<std::string> words);
-int fuzz_command(std::vector<std::string> words);
-int conformance_command(std::vector<std::string> words);
-int campaign_command(std::vector<std::string> words);
-int merge_command(std::vector<std::string> words);
-int pack_command(std::vector<std::string> words);
-int solve_pack_command(std::vector<std::string> words);
-int judge_command(std::vector<std::string> words);
-int guard_command(std::vector<std::string> words);
-int league_command(std::vector<std::string> words);
-int mesh_command(std::vector<std::string> words);
+Command::Run solve_command, solvers_command, scenes_command, export_command, report_command, fuzz_command, mesh_command;
+Command::Run conformance_command, campaign_command, merge_command, pack_command, solve_pack_command, judge_command;
+Command::Run guard_command, league_command;
 
 // `solve FILE --solutions`: looks for all solutions of Coulomb's law and prints what was proven, for people or as one
 // JSON object. Throws std::invalid_argument where the question makes no sense of this problem.

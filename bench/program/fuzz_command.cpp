@@ -1,5 +1,3 @@
-#include <unistd.h>
-
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <filesystem>
@@ -55,12 +53,9 @@ int fuzz_command(std::vector<std::string> words) {
   SolveOptions().read_accuracy(fuzz.accuracy);
   if (!fuzz.accuracy.empty() && fuzz.referee) throw std::invalid_argument("--referee asks for no accuracy");
 
-  Progress bar(isatty(STDERR_FILENO) == 1);
-  const double start = wall_seconds();
+  Progress bar;
   const auto progress = [&](std::uint64_t so_far) {
-    const double fraction = static_cast<double>(so_far) / static_cast<double>(std::max<std::uint64_t>(1, fuzz.count));
-    const double passed = wall_seconds() - start;
-    bar.show(fraction, grouped(so_far) + " problems", fraction > 0 ? passed * (1 - fraction) / fraction : -1);
+    bar.show(static_cast<double>(so_far) / static_cast<double>(fuzz.count), grouped(so_far) + " problems");
   };
   const bool made =
       std::filesystem::create_directories(out);  // that it cannot be is said now, not with the first finding

@@ -15,8 +15,7 @@ const std::atomic<bool>& stop_on_interrupt() {
   struct sigaction action = {};
   action.sa_handler = [](int) { interrupted = true; };
   action.sa_flags = static_cast<int>(SA_RESETHAND);
-  sigaction(SIGINT, &action, nullptr);
-  sigaction(SIGTERM, &action, nullptr);
+  for (const int signal : {SIGINT, SIGTERM}) sigaction(signal, &action, nullptr);
   return interrupted;
 }
 
@@ -28,11 +27,9 @@ std::string command_line(const std::string& name, const std::vector<std::string>
 }
 
 std::filesystem::path new_directory(const std::string& out, const std::string& resume) {
-  if (!out.empty() && holds_run(out)) {
-    std::string line = out + " holds a run already: ";
-    if (!resume.empty()) line += "go on with " + resume + " " + report::shell_word(out) + ", or ";
-    throw std::invalid_argument(line + "choose another --out");
-  }
+  const std::string go_on = resume.empty() ? "" : "go on with " + resume + " " + report::shell_word(out) + ", or ";
+  if (!out.empty() && holds_run(out))
+    throw std::invalid_argument(out + " holds a run already: " + go_on + "choose another --out");
   if (std::filesystem::is_directory(out) && !std::filesystem::is_empty(out))
     throw std::invalid_argument(out + " holds other files: choose a new or empty --out");
   if (!out.empty()) return out;

@@ -28,9 +28,9 @@ int mesh_command(std::vector<std::string> words) {
   if (!unit.empty() && mesh.file != name) throw std::invalid_argument(name + " has its unit: --unit would be another");
   collision::MeshFileOptions how{
       .unit = unit.empty() ? mesh.unit : collision::metres_per(unit), .weld = weld, .cache = collision::tree_cache()};
-  Progress bar(true);
+  Progress bar;
   if (isatty(STDERR_FILENO) == 1)
-    how.progress = [&](double fraction, std::string_view stage) { bar.show(fraction, std::string(stage), -1); };
+    how.progress = [&](double fraction, std::string_view stage) { bar.show(fraction, std::string(stage)); };
   const collision::LoadedTree loaded = collision::load_tree(mesh.file, how);
   bar.clear();
   std::printf("%s\ntree: %.0f bytes a triangle%s\n", collision::to_string(loaded.report).c_str(),

@@ -1,4 +1,3 @@
-#include <unistd.h>
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <stdexcept>
@@ -16,7 +15,7 @@ namespace {
 
 std::function<void(std::size_t, const std::string&)> progress_of(Progress& bar, std::size_t all) {
   return [&bar, all](std::size_t k, const std::string& name) {
-    bar.show(static_cast<double>(k) / static_cast<double>(all), name, -1);
+    bar.show(static_cast<double>(k) / static_cast<double>(all), name);
   };
 }
 
@@ -27,7 +26,7 @@ void print_missing(const Answers& answers, const Pack& pack) {
 }
 
 void print_proofs(const Pack& pack, const std::vector<Answers>& contestants, const std::filesystem::path& directory) {
-  Progress bar(isatty(STDERR_FILENO));
+  Progress bar;
   const ProofTally tally =
       write_proofs(pack, contestants, directory, progress_of(bar, pack.problems().size()), stop_on_interrupt());
   bar.clear();
@@ -72,7 +71,7 @@ int pack_command(std::vector<std::string> words) {
     throw std::invalid_argument(out + " holds a pack already");
   std::vector<Instance> problems = problems_of_pack(what, seed);
   what.insert(what.end(), {"--seed", std::to_string(seed)});
-  Progress bar(isatty(STDERR_FILENO));
+  Progress bar;
   const std::size_t all = problems.size();
   write_pack(out, std::move(problems), command_line("pack", what), reference_cache(), progress_of(bar, all));
   bar.clear();
@@ -99,7 +98,7 @@ int solve_pack_command(std::vector<std::string> words) {
   make_solver(run.solver);
   const Pack pack(directory);
   const std::atomic<bool>& interrupted = stop_on_interrupt();
-  Progress bar(isatty(STDERR_FILENO));
+  Progress bar;
   const std::size_t solved = solve_pack(pack, run, out, progress_of(bar, pack.problems().size()), interrupted);
   bar.clear();
   std::printf("%s of %s answers -> %s\n", grouped(solved).c_str(), grouped(pack.problems().size()).c_str(),
@@ -135,10 +134,7 @@ int judge_command(std::vector<std::string> words) {
     print_missing(contestants.back(), pack);
     if (!names.empty()) contestants.back().solver = names[contestants.size() - 1];
   }
-  SuiteSettings settings{.directory = new_directory(out, ""),
-                         .cache = reference_cache(),
-                         .command = command,
-                         .terminal = isatty(STDERR_FILENO) == 1};
+  SuiteSettings settings{.directory = new_directory(out, ""), .cache = reference_cache(), .command = command};
   if (!proofs.empty()) print_proofs(pack, contestants, new_directory(proofs, ""));
   const Outcome outcome = judge_pack(pack, std::move(contestants), settings, stop_on_interrupt());
   if (outcome.interrupted) {

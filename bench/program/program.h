@@ -17,8 +17,9 @@ enum Exit : int { done = 0, found = 1, wrong_use = 2, bad_file = 3, stopped = 13
 // One word of the command line. `words`: what follows it. Throws std::invalid_argument (wrong use) or BadFile, whose
 // one line the program prints. Group and line are for --help; those of commands.def stand there.
 struct Command {
+  using Run = int(std::vector<std::string> words);
   std::string name;
-  std::function<int(std::vector<std::string> words)> run;
+  std::function<Run> run;
   std::string group = {};
   std::string line = {};
 };

@@ -16,8 +16,13 @@ std::string duration(double seconds) {
   return std::to_string(s / 3600) + " h " + std::to_string(s % 3600 / 60) + " min";
 }
 
-void Progress::show(double fraction, const std::string& what, double left) {
+Progress::Progress() : terminal_(isatty(STDERR_FILENO) == 1) {}
+
+void Progress::show(double fraction, const std::string& what, std::optional<double> given) {
   const double now = wall_seconds();
+  if (fraction < before_) begun_ = fraction, since_ = now;
+  before_ = fraction;
+  const double left = given ? *given : fraction > begun_ ? (now - since_) * (1 - fraction) / (fraction - begun_) : -1;
   const int percent = static_cast<int>(100 * std::clamp(fraction, 0.0, 1.0));
   const std::string rest = left < 0 ? "" : duration(std::max(left, 1.0)) + " left";
   if (!terminal_) {

@@ -96,7 +96,7 @@ Outcome run_suite(const Plan& plan, const SuiteSettings& settings, const std::at
   Dispatcher desk([&](std::string_view text) { return make_solver(text, settings.solvers); });
   ResultFile results(directory / "results.jsonl");
   Schedule schedule(plan);
-  Progress progress(settings.terminal);
+  Progress progress;
   std::size_t timed_once = 0;
 
   for (std::size_t b = 0; b < plan.instances.size() && !interrupted; ++b) {

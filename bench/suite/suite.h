@@ -30,7 +30,6 @@ struct SuiteSettings {
   std::filesystem::path directory = {};  // of the results (docs/formats.md)
   std::filesystem::path cache = {};      // of references; empty: none is kept
   std::string command = {};              // for run.json
-  bool terminal = false;                 // draw a progress bar on stderr
   bool quiet = false;                    // show no progress at all
   std::span<const SolverEntry> solvers = zwang::solvers();
   std::function<void(Result&)> amend = {};  // the last word on a row before it is stored

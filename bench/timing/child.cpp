@@ -44,14 +44,9 @@ SolveReply Child::run(const SolveRequest& call, const std::atomic<bool>* interru
     peer_.start([this](int socket) { serve(socket, std::move(make_)); });
     if (problem_) load(*problem_);
   }
-  SolveReply answer;
-  const auto give_up = [&](Status status, std::string message, double seconds) {
+  const auto give_up = [&](Status status, const std::string& message, double seconds) {
     peer_.stop();
-    answer.solution.reset(0, 0);
-    answer.solution.status = status;
-    answer.solution.message = std::move(message);
-    answer.seconds = seconds;
-    return answer;
+    return SolveReply{.solution = {.status = status, .message = message}, .seconds = seconds};
   };
   clockid_t cpu;
   if (!peer_.runs() || clock_getcpuclockid(peer_.pid(), &cpu) != 0)

@@ -36,11 +36,8 @@ SolveReply SolveService::run(const Problem& problem, const SolveRequest& call) {
   const MemoryCap cap;
   try {
     AnySolver& chosen = solver(call);
-    if (std::string reason = chosen.supports(problem); !reason.empty()) {
-      solution.status = Status::unsupported;
-      solution.message = std::move(reason);
-      return answer;
-    }
+    if (const std::string reason = chosen.supports(problem); !reason.empty())
+      return {.solution = {.status = Status::unsupported, .message = reason}};
     // Short solves are timed without the clock in them: the solve before them says what preparation takes.
     std::optional<Preparation::Watch> watch(std::in_place);
     if (call.warm_up) {
@@ -60,9 +57,7 @@ SolveReply SolveService::run(const Problem& problem, const SolveRequest& call) {
     if (watch) answer.prepare_s = watch->sum() / call.solves;
     answer.allocations = static_cast<double>(allocations() - blocks) / call.solves;
   } catch (const std::exception& thrown) {
-    solution.reset(0, 0);
-    solution.status = Status::numerical_failure;
-    solution.message = std::string("threw: ") + thrown.what();
+    solution = {.status = Status::numerical_failure, .message = std::string("threw: ") + thrown.what()};
   }
   return answer;
 }

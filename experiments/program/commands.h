@@ -1,16 +1,10 @@
 #pragma once
 
-#include <filesystem>
-#include <string>
-#include <vector>
+#include <zwang/bench/program/program.h>
 
 namespace zwang {
 
-int simulate_command(std::vector<std::string> words);
-int experiment_command(std::vector<std::string> words);
-int live_command(std::vector<std::string> words);
-int hand_command(std::vector<std::string> words);
-int capture_command(std::vector<std::string> words);
+Command::Run simulate_command, experiment_command, live_command, hand_command, capture_command;
 
 // `bench --suite collision`.
 int bench_collision(const std::filesystem::path& directory, const std::string& command);

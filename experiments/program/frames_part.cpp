@@ -1,5 +1,4 @@
 // What the questions of the paper ask of simulated motions: their frames, a line of JSON each.
-#include <unistd.h>
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
@@ -78,7 +77,7 @@ int frames_part(const std::vector<std::string>& words) {
   const double length = seconds > 0 ? std::min(seconds, setup.motion.duration) : setup.motion.duration;
   const long count = std::lround(length / options.dt);
   double last = std::numeric_limits<double>::infinity();
-  Progress bar(isatty(STDERR_FILENO) == 1);
+  Progress bar;
   for (long k = 1; k <= count; ++k) {
     if (other) other->simulation().restore(play.simulation().checkpoint());
     const god::Frame& frame = play.step(k);
@@ -94,7 +93,7 @@ int frames_part(const std::vector<std::string>& words) {
                     {.problem = play.simulation().problem(0), .family = "frames"});
     if (frame.kept > 0) last = std::min(last, frame.time + contact);
     if (frame.time > last) break;
-    if (k % 32 == 0) bar.show(static_cast<double>(k) / static_cast<double>(count), what, -1);
+    if (k % 32 == 0) bar.show(static_cast<double>(k) / static_cast<double>(count), what);
     if (stop_on_interrupt()) return stopped;
   }
   return done;

@@ -1,4 +1,3 @@
-#include <unistd.h>
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <stdexcept>
@@ -69,14 +68,9 @@ int simulate_command(std::vector<std::string> words) {
 
   fs::create_directories(directory);
   god::write_record(directory, record);
-  Progress bar(isatty(STDERR_FILENO) == 1);
+  Progress bar;
   const double start = wall_seconds();
-  double since = start, begun = -1;
-  const auto progress = [&](double fraction, const std::string& what) {
-    const double now = wall_seconds();
-    if (begun < 0 || fraction < begun) begun = fraction, since = now;
-    bar.show(fraction, what, fraction > begun ? (now - since) * (1 - fraction) / (fraction - begun) : -1);
-  };
+  const auto progress = [&](double fraction, const std::string& what) { bar.show(fraction, what); };
   const std::atomic<bool>& interrupted = stop_on_interrupt();
   long frames = record.asked.frames;
   if (record.finished.empty()) frames = god::simulate(directory, record, setup, resumed, progress, interrupted);
@@ -85,7 +79,6 @@ int simulate_command(std::vector<std::string> words) {
     record.finished = now_iso8601();
     god::write_record(directory, record);
   }
-  begun = -1;
   if (!whole) record.asked.audit = false;
   const god::Finished finished = god::finish(directory, record, setup, progress);
   bar.clear();
