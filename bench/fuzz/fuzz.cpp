@@ -51,6 +51,12 @@ std::string contradiction(const Problem& p, const Solution& s, const Reference& 
   return metrics.primal <= other_limit ? "" : ", but no z meets the rows";
 }
 
+// What no solver should say of a sound problem; "": anything else.
+std::string misbehaviour(const Solution& s) {
+  if (s.status == Status::bad_input) return "says bad input: " + s.message;
+  return s.message.starts_with("threw: ") ? s.message : "";
+}
+
 std::string shown(const char* what, double value) { return printed("%s %g", what, value); }
 
 }  // namespace
@@ -156,8 +162,8 @@ void Fuzzer::against_truth(std::uint64_t number, const Problem& problem, const R
       } else {
         ++t.undecided;
       }
-    } else if (s.status == Status::bad_input) {
-      fault(i, number, "says bad input: " + s.message, problem, &truth);
+    } else if (const std::string wrong = misbehaviour(s); !wrong.empty()) {
+      fault(i, number, wrong, problem, &truth);
     } else {
       ++t.undecided;
     }
@@ -173,7 +179,7 @@ void Fuzzer::under_friction(std::uint64_t number, const Problem& problem) {
     const Solution& s = solve(i, problem);
     FuzzTally& t = tally_[i];
     ++t.runs;
-    if (s.status == Status::bad_input) fault(i, number, "says bad input: " + s.message, problem);
+    if (const std::string wrong = misbehaviour(s); !wrong.empty()) fault(i, number, wrong, problem);
     if (s.status != Status::infeasible && !has_z(s.status)) {
       ++t.undecided;
       continue;

@@ -44,6 +44,10 @@ void AnySolver::solve(const Problem& problem, const SolveOptions& options, Solut
     return give_up(stopped.status, stopped.message);
   } catch (const std::bad_alloc&) {
     return give_up(Status::numerical_failure, "out of memory");
+  } catch (const std::exception& thrown) {
+    return give_up(Status::numerical_failure, std::string("threw: ") + thrown.what());
+  } catch (...) {
+    return give_up(Status::numerical_failure, "threw: what is no std::exception");
   }
   const bool claims_z = solution.status == Status::solved || solution.status == Status::solved_ill_conditioned;
   const auto refuse_unless = [&](const Vector& x, Index size, const char* name) {

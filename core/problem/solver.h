@@ -73,7 +73,7 @@ constexpr bool reads(Law law) {
 }
 
 // Any solver by value. Sizes are required to match (throws), and NaN or Inf is met with Status::bad_input here, before
-// a backend sees it. Stopped and std::bad_alloc become a status with one line; what else a backend throws is passed on.
+// a backend sees it. What a backend throws becomes a status with one line: Stopped its own, others a numerical failure.
 // After an exception the workspace is built anew.
 class AnySolver {
  public:

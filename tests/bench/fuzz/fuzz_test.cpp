@@ -19,6 +19,11 @@ SolverEntry entry(bool exact = true) {
           }};
 }
 
+struct ThrowsANumber {
+  static constexpr std::string_view name = "throws a number";
+  void solve(const Problem&, const SolveOptions&, Solution&) { throw 42; }
+};
+
 class Fuzz : public testing::Test {
  protected:
   FuzzOutcome run(const FuzzOptions& options, std::span<const SolverEntry> among = solvers(), int jobs = 2) {
@@ -189,6 +194,17 @@ TEST_F(Fuzz, ASolverThatDiesIsAFindingAndTheOthersGoOn) {
   ASSERT_EQ(o.findings.size(), 6u);
   EXPECT_NE(o.findings[0].what.find("dies"), std::string::npos) << o.findings[0].what;
   EXPECT_TRUE(std::filesystem::exists(o.findings[0].file));
+}
+
+TEST_F(Fuzz, ASolverThatThrowsIsAFindingThatSaysWhat) {
+  const std::vector<SolverEntry> among = {entry<tests::Throws>()};
+  const FuzzOutcome o = run({.count = 3}, among, 1);
+  EXPECT_EQ(o.done, 3u);
+  const auto found = std::ranges::find(o.findings, "threw: no memory for this", &Finding::what);
+  ASSERT_NE(found, o.findings.end());
+  const Problem problem = read_problems(found->file).at(0).problem;
+  EXPECT_EQ(among[0].make("").solve(problem).message, found->what);
+  EXPECT_EQ(AnySolver(ThrowsANumber{}).solve(problem).message, "threw: what is no std::exception");
 }
 
 TEST_F(Fuzz, IsTheSameHoweverItIsShared) {
