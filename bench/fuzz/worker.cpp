@@ -24,29 +24,25 @@ void fields(auto visit, same_but_const<Finding> auto& x) { visit(x.number, x.sol
 namespace {
 
 constexpr std::size_t most_solvers = 32, most_files = 20;
-constexpr double hang = 60;  // s
+constexpr double hang = 60, patience_when_interrupted = 1;  // s
 
 // What a worker and its parent both see.
 struct Shared {
   std::atomic<std::uint64_t> next;  // the problem at hand, or the first one not yet looked at
   std::atomic<std::uint64_t> done;
   std::atomic<std::size_t> solver;
+  std::atomic<bool> enough;
   FuzzTally tally[most_solvers];
 };
 
-struct Unmap {
-  void operator()(Shared* shared) const { munmap(shared, sizeof(Shared)); }
-};
-using SharedMemory = std::unique_ptr<Shared, Unmap>;
-
-SharedMemory shared_memory() {
+std::shared_ptr<Shared> shared_memory() {
   void* memory = mmap(nullptr, sizeof(Shared), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
   if (memory == MAP_FAILED) throw std::system_error(errno, std::generic_category(), "no shared memory");
-  return SharedMemory(new (memory) Shared{});
+  return {new (memory) Shared{}, [](Shared* shared) { munmap(shared, sizeof(Shared)); }};
 }
 
 struct Worker {
-  SharedMemory shared = shared_memory();
+  std::shared_ptr<Shared> shared = shared_memory();
   Peer peer = {};  // which sends its findings
   std::uint64_t seen = 0;
   double moved = 0;  // when it last went on
@@ -56,15 +52,16 @@ std::string name_of(const Fault& fault) {
   return std::to_string(fault.number) + "-" + fault.solver.substr(0, fault.solver.find(':'));
 }
 
-std::string write(const std::filesystem::path& directory, const std::string& name, const Fault& fault) {
+Finding write(const std::filesystem::path& directory, const std::string& name, const Fault& fault) {
+  Finding finding{fault.number, fault.solver, fault.what, directory / (name + ".h5")};
   try {
     std::filesystem::create_directories(directory);
-    const std::string file = directory / (name + ".h5");
-    write_problem(file, fault.instance);
-    return file;
-  } catch (const std::runtime_error&) {
-    return {};  // the finding itself is kept
+    write_problem(finding.file, fault.instance);
+  } catch (const std::runtime_error& bad) {
+    finding.file.clear();
+    finding.what.append("; no file: ").append(bad.what());
   }
+  return finding;
 }
 
 }  // namespace
@@ -83,16 +80,16 @@ FuzzOutcome run_fuzz(const FuzzOptions& options, int jobs, const std::filesystem
 
   const auto work = [&](Shared& shared, int socket) {
     const auto report = [&](const Fault& fault) {
-      Finding finding{fault.number, fault.solver, fault.what, {}};
+      Finding finding{fault.number, fault.solver, fault.what};
       if (files[fault.solver]++ < most_files) {
         std::string name = name_of(fault);
         if (const std::size_t number = ++same_name[name]; number > 1) name.append("-").append(std::to_string(number));
-        finding.file = write(directory, name, fault);
+        finding = write(directory, name, fault);
       }
       send_message(socket, pack(finding));
     };
     Fuzzer fuzzer(options, among, shared.tally, [&](std::size_t i) { shared.solver = i; }, report);
-    while (shared.next < end) {
+    while (shared.next < end && !shared.enough) {
       fuzzer.look(shared.next);
       ++shared.done;
       shared.next += step;
@@ -108,7 +105,7 @@ FuzzOutcome run_fuzz(const FuzzOptions& options, int jobs, const std::filesystem
     const std::string solver = outcome.solvers[shared.solver];
     ++shared.tally[shared.solver].faults;
     const Fault fault{shared.next, solver, how, fuzzed(options, shared.next)};
-    outcome.findings.push_back({fault.number, solver, how, write(directory, name_of(fault) + "-died", fault)});
+    outcome.findings.push_back(write(directory, name_of(fault) + "-died", fault));
     shared.next += step;
     ++shared.done;
   };
@@ -136,12 +133,13 @@ FuzzOutcome run_fuzz(const FuzzOptions& options, int jobs, const std::filesystem
         w.seen = w.shared->next;
         w.moved = wall_seconds();
       }
-      const bool hangs = wall_seconds() - w.moved > hang;
-      if (lives && !interrupted && !hangs) continue;
+      w.shared->enough = interrupted.load();
+      const bool hangs = message.empty() && wall_seconds() - w.moved > (interrupted ? patience_when_interrupted : hang);
+      if (lives && !hangs) continue;
       const int status = w.peer.stop();
-      if (interrupted || (WIFEXITED(status) && WEXITSTATUS(status) == 0)) continue;
+      if ((hangs && interrupted) || (WIFEXITED(status) && WEXITSTATUS(status) == 0)) continue;
       bury(w, hangs ? "hangs" : WIFSIGNALED(status) ? std::string("dies: ") + strsignal(WTERMSIG(status)) : "dies");
-      if (w.shared->next < end) launch(w);
+      if (w.shared->next < end && !interrupted) launch(w);
     }
     progress(done());
   }

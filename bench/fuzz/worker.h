@@ -11,7 +11,7 @@ namespace zwang {
 struct Finding {
   std::uint64_t number;
   std::string solver, what;
-  std::string file;  // "" where none could be written, or beyond the first 20 of a solver
+  std::string file = {};  // "" where none could be written, as `what` says then, and beyond the first 20 of a solver
 };
 
 struct FuzzOutcome {
@@ -25,7 +25,8 @@ struct FuzzOutcome {
 
 // Fuzzes in `jobs` processes of their own. A worker that dies, or stays at one problem for a minute, is a finding (the
 // problem and the solver at which it happened), and another one goes on behind that problem. Findings are written to
-// `directory`, which is made when the first comes. `progress`: problems done so far.
+// `directory`, which is made when the first comes. `progress`: problems done so far. Where interrupted, workers end
+// what they are at, or a second later.
 FuzzOutcome run_fuzz(const FuzzOptions& options, int jobs, const std::filesystem::path& directory,
                      std::span<const SolverEntry> among, const std::function<void(std::uint64_t)>& progress,
                      const std::atomic<bool>& interrupted);

@@ -1,8 +1,8 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <filesystem>
+#include <fstream>
 #include <limits>
-#include <ranges>
 #include <stdexcept>
 #include <thread>
 
@@ -46,10 +46,8 @@ int fuzz_command(std::vector<std::string> words) {
   if (fuzz.near + fuzz.friction + fuzz.referee > 1)
     throw std::invalid_argument("--near, --friction and --referee exclude each other");
   if (fuzz.referee && !fuzz.solvers.empty()) throw std::invalid_argument("--referee asks no solvers");
-
   if (fuzz.first > std::numeric_limits<std::uint64_t>::max() - fuzz.count)
     throw std::invalid_argument("--first: expected at most 2^64 - 1 - --count");
-
   SolveOptions().read_accuracy(fuzz.accuracy);
   if (!fuzz.accuracy.empty() && fuzz.referee) throw std::invalid_argument("--referee asks for no accuracy");
 
@@ -57,14 +55,12 @@ int fuzz_command(std::vector<std::string> words) {
   const auto progress = [&](std::uint64_t so_far) {
     bar.show(static_cast<double>(so_far) / static_cast<double>(fuzz.count), grouped(so_far) + " problems");
   };
-  const bool made =
-      std::filesystem::create_directories(out);  // that it cannot be is said now, not with the first finding
+  const bool made = std::filesystem::create_directories(out);  // that it cannot be is said now
   const FuzzOutcome o = run_fuzz(fuzz, jobs, out, solvers(), progress, stop_on_interrupt());
   bar.clear();
   if (made && std::filesystem::is_empty(out)) std::filesystem::remove(out);
-
-  std::printf("%s problems (seed %llu) in %s\n\n", grouped(o.done).c_str(), static_cast<unsigned long long>(fuzz.seed),
-              duration(o.seconds).c_str());
+  const std::string seed = std::to_string(fuzz.seed);
+  std::printf("%s problems (seed %s) in %s\n\n", grouped(o.done).c_str(), seed.c_str(), duration(o.seconds).c_str());
   if (fuzz.referee)
     std::printf("%-20s %10s %12s %10s %12s %10s %8s %11s\n", "class", "judgements", "right, given", "undecided",
                 "z alone", "undecided", "false", "time each");
@@ -73,38 +69,43 @@ int fuzz_command(std::vector<std::string> words) {
                 "undecided", "decided", "faults", "z error", "time a run");
   for (std::size_t i = 0; i < o.solvers.size(); ++i) {
     const FuzzTally& t = o.tally[i];
-    const std::uint64_t all = t.runs + t.warm + t.spoilt;
+    const double all = static_cast<double>(std::max<std::uint64_t>(1, t.runs + t.warm + t.spoilt));
+    const std::string each = report::duration(t.seconds / all);
     if (fuzz.referee) {
       const auto share = [&](int k) {
         return 100. * double(t.open[k]) / double(std::max<std::uint64_t>(1, t.right[k]));
       };
       std::printf("%-20s %10s %12s %9.3f%% %12s %9.3f%% %8s %11s\n", o.solvers[i].c_str(), grouped(t.runs).c_str(),
                   grouped(t.right[1]).c_str(), share(1), grouped(t.right[0]).c_str(), share(0),
-                  grouped(t.faults).c_str(),
-                  report::duration(t.seconds / double(std::max<std::uint64_t>(1, all))).c_str());
+                  grouped(t.faults).c_str(), each.c_str());
       continue;
     }
     std::printf("%-20s %10s %10s %9s %10s %10s %7.3f%% %8s %9s %11s\n", o.solvers[i].c_str(), grouped(t.runs).c_str(),
                 grouped(t.solved).c_str(), grouped(t.flagged).c_str(), grouped(t.proven).c_str(),
                 grouped(t.undecided).c_str(), 100 * t.decided(), grouped(t.faults).c_str(),
-                report::scientific(t.worst_z_error).c_str(),
-                report::duration(t.seconds / static_cast<double>(std::max<std::uint64_t>(1, all))).c_str());
+                report::scientific(t.worst_z_error).c_str(), each.c_str());
     if (!fuzz.accuracy.empty())
       std::printf("%20s %10s promises, %s of them within ten times the error\n", "", grouped(t.promised).c_str(),
                   grouped(t.tight).c_str());
   }
-  constexpr std::size_t most_shown = 20;
-  if (!o.findings.empty()) std::puts("");
-  for (const Finding& f : o.findings | std::views::take(most_shown)) {
-    std::printf("problem %llu, %s %s\n", static_cast<unsigned long long>(f.number), f.solver.c_str(), f.what.c_str());
-    if (fuzz.referee)
-      std::printf("  ./zwang fuzz --referee --seed %llu --first %llu --count 1\n",
-                  static_cast<unsigned long long>(fuzz.seed), static_cast<unsigned long long>(f.number));
-    else if (!f.file.empty())
-      std::printf("  ./zwang solve %s --solver %s\n", report::shell_word(f.file).c_str(), f.solver.c_str());
+  std::vector<std::string> told;  // in a list; here the first few, or all where it cannot be written
+  const std::string kind = fuzz.near ? " --near" : fuzz.friction ? " --friction" : fuzz.referee ? " --referee" : "";
+  for (const Finding& f : o.findings) {
+    const std::string number = std::to_string(f.number),
+                      by = f.solver + (fuzz.accuracy.empty() ? "" : " --accuracy ") + fuzz.accuracy;
+    told.push_back("problem " + number + ", " + f.solver + " " + f.what + "\n  ./zwang ");
+    if (f.file.empty() || fuzz.referee)
+      told.back() += "fuzz" + kind + " --seed " + seed + " --first " + number + " --count 1" +
+                     (fuzz.referee ? "" : " --solvers " + by);
+    else
+      told.back() += "solve " + report::shell_word(f.file) + " --solver " + by;
   }
-  if (o.findings.size() > most_shown)
-    std::printf("and %s more; files in %s\n", grouped(o.findings.size() - most_shown).c_str(), out.c_str());
+  const std::string list = std::filesystem::path(out) / "findings.txt";
+  const std::string all = "Seed " + seed + kind + "\n" + joined(told, "\n");
+  const bool listed = told.empty() || (std::ofstream(list, std::ios::app) << all << std::endl);
+  const std::size_t shown = listed ? std::min<std::size_t>(told.size(), 20) : told.size();
+  for (std::size_t k = 0; k < shown; ++k) std::printf("%s%s\n", k == 0 ? "\n" : "", told[k].c_str());
+  if (shown < told.size()) std::printf("and %s more: %s\n", grouped(told.size() - shown).c_str(), list.c_str());
   if (o.interrupted) return stopped;
   return o.findings.empty() ? done : found;
 }

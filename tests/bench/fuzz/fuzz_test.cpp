@@ -207,6 +207,27 @@ TEST_F(Fuzz, ASolverThatThrowsIsAFindingThatSaysWhat) {
   EXPECT_EQ(AnySolver(ThrowsANumber{}).solve(problem).message, "threw: what is no std::exception");
 }
 
+TEST_F(Fuzz, AFindingThatCannotBeStoredIsKeptAndSaysWhy) {
+  const std::vector<SolverEntry> among = {entry<tests::AllActive>()};
+  const FuzzOutcome o = run_fuzz({.count = 20}, 1, "/proc/nothing", among, [](std::uint64_t) {}, interrupted);
+  ASSERT_GT(o.findings.size(), 0u);
+  EXPECT_EQ(o.findings[0].file, "");
+  EXPECT_NE(o.findings[0].what.find("; no file: "), std::string::npos) << o.findings[0].what;
+}
+
+TEST_F(Fuzz, WhatWasFoundBeforeAnInterruptionIsKept) {
+  const std::vector<SolverEntry> among = {entry<tests::AllActive>()};
+  const auto stop = [&](std::uint64_t done) { interrupted = done > 100; };
+  const FuzzOutcome o = run_fuzz({.count = 1000000000}, 2, directory, among, stop, interrupted);
+  EXPECT_TRUE(o.interrupted);
+  EXPECT_GT(o.tally[0].faults, 20u);
+  EXPECT_EQ(o.tally[0].faults, o.findings.size());
+  const FuzzOutcome hung = run_fuzz(
+      {.count = 5}, 1, directory, std::vector{entry<tests::Sleeps>()}, [&](std::uint64_t) { interrupted = true; },
+      interrupted);
+  EXPECT_EQ(hung.findings.size(), 0u) << "who is stopped did not hang";
+}
+
 TEST_F(Fuzz, IsTheSameHoweverItIsShared) {
   const FuzzOutcome one = run({.seed = 5, .count = 300, .solvers = "nnls,pgs"}, solvers(), 1),
                     two = run({.seed = 5, .count = 300, .solvers = "nnls,pgs"});

@@ -294,6 +294,25 @@ def check_export_and_bench():
     check("report", report.returncode == 0 and "Report: run/report.html" in report.stdout, report.stderr)
 
 
+def check_fuzz():
+    """Every finding is listed, also those of earlier runs; where the list cannot be written all are printed."""
+    count = 0
+    for seed in ("1", "2"):
+        done = run(["fuzz", "--count", "100", "--seed", seed, "--solvers", "nnls_paper", "--jobs", "1", "--out", "found"])
+        count += sum(int(more.replace(",", "")) for more in re.findall(r"^and ([\d,]+) more: found/findings.txt$", done.stdout, re.M))
+        count += len(re.findall("^problem ", done.stdout, re.M))
+        check("findings", done.returncode == 1 and "  ./zwang solve found/" in done.stdout, done.stdout + done.stderr)
+    with open("found/findings.txt") as file:
+        listed = file.read()
+    check("all are listed", count > 50 and listed.count("\nproblem ") == count and re.findall("^Seed .*", listed, re.M) == ["Seed 1", "Seed 2"], listed)
+    again = re.search(r"^problem (\d+),.*\n  \./zwang (fuzz .*)$", listed, re.M)
+    done = run([*again[2].split(), "--out", "again"])
+    check("one without a file is found again", done.returncode == 1 and f"problem {again[1]}, nnls_paper" in done.stdout, again[0] + done.stdout)
+    os.makedirs("unlisted/findings.txt")
+    done = run(["fuzz", "--count", "100", "--solvers", "nnls_paper", "--out", "unlisted"])
+    check("all are printed", len(re.findall("^problem ", done.stdout, re.M)) > 25 and " more: " not in done.stdout, done.stdout)
+
+
 with tempfile.TemporaryDirectory() as folder:
     os.chdir(folder)
     os.environ["XDG_CACHE_HOME"] = folder
@@ -304,6 +323,7 @@ with tempfile.TemporaryDirectory() as folder:
     check_unread()
     check_solve()
     check_solutions()
+    check_fuzz()
     check_export_and_bench()
     os.chdir("/")
 sys.exit(1 if failures else 0)
