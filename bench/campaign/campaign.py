@@ -6,6 +6,7 @@ holds this text (held.py) and the job's.
 import argparse
 import contextlib
 import difflib
+import fcntl
 import json
 import os
 import shlex
@@ -238,7 +239,16 @@ class Campaign:
         shutil.rmtree(before, ignore_errors=True)
         return code
 
+    def take(self):
+        """Two that follow it would start what is missing twice, and join it into one folder."""
+        self.lock = open(self.at("logs", "campaign.lock"), "w")
+        try:
+            fcntl.flock(self.lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            fail(f"{self.folder}: another ./zwang campaign follows it")
+
     def run(self):
+        self.take()
         folder = shlex.quote(self.folder)
         again = f"./zwang campaign --resume {folder}"
         try:

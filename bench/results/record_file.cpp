@@ -1,5 +1,8 @@
 #include <zwang/bench/results/record_file.h>
 
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
 #include <ctime>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -38,6 +41,14 @@ void require_same_conditions(const fs::path& directory, const Json& stored, cons
     if (const Json was = stored.value(name, Json()); was != value && !(any_cpu && name == "cpu"))
       throw BadFile(directory.string() + " cannot go on, " + therefore + ": its " + name + " is " + was.dump() +
                     ", now it is " + value.dump());
+}
+
+std::shared_ptr<void> only_writer(const fs::path& directory) {
+  const int folder = open(directory.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  // What a killed run has started lets go a moment later.
+  for (int k = 0; flock(folder, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK; usleep(50000))
+    if (++k > 20) throw std::invalid_argument(directory.string() + ": another run of zwang writes into it");
+  return {nullptr, [folder](void*) { close(folder); }};
 }
 
 bool holds_run(const fs::path& directory) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
@@ -39,6 +40,9 @@ void replace_record(const std::filesystem::path& directory, const nlohmann::orde
 // compare". `any_cpu`: on whichever machine.
 void require_same_conditions(const std::filesystem::path& directory, const nlohmann::ordered_json& record,
                              const std::string& therefore, bool any_cpu = false);
+
+// Nobody else writes into the folder while this lives. Throws std::invalid_argument where another does.
+std::shared_ptr<void> only_writer(const std::filesystem::path& directory);
 
 // There is a record or results of any command in this folder.
 bool holds_run(const std::filesystem::path& directory);

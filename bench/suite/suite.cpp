@@ -74,6 +74,7 @@ std::filesystem::path reference_cache() {
 Outcome run_suite(const Plan& plan, const SuiteSettings& settings, const std::atomic<bool>& interrupted) {
   const auto& directory = settings.directory;
   std::filesystem::create_directories(directory / "problems");
+  const auto alone = only_writer(directory);
   Stored stored = load_results(directory / "results.jsonl");
   Outcome outcome;
   outcome.planned = plan.size();

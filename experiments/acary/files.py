@@ -1,5 +1,6 @@
 """Problem files of any kind as arrays, through the program's own reader."""
 import argparse
+import fcntl
 import json
 import os
 import pathlib
@@ -38,13 +39,19 @@ def as_program(main):
 
 
 def made(folder):
-    """The folder as a path. That it cannot be written is said before minutes are spent."""
+    """The folder as a path, which is this program's alone from here on. That it cannot be written is said before minutes are spent."""
     folder = pathlib.Path(folder)
     try:
         folder.mkdir(parents=True, exist_ok=True)
         tempfile.TemporaryFile(dir=folder).close()
     except OSError as bad:
         fail(f"{folder}: {bad.strerror}", BAD_FILE)
+    try:
+        fcntl.flock(os.open(folder, os.O_RDONLY), fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        fail(f"{folder}: another ./zwang experiment writes into it")
+    except OSError:
+        pass  # NFS locks no folders
     return folder
 
 

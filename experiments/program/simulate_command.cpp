@@ -67,6 +67,7 @@ int simulate_command(std::vector<std::string> words) {
   std::fflush(stdout);
 
   fs::create_directories(directory);
+  const auto alone = only_writer(directory);
   god::write_record(directory, record);
   Progress bar;
   const double start = wall_seconds();

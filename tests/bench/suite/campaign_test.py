@@ -2,6 +2,7 @@
 
 Usage: campaign_test.py PROGRAM ENGINE     exit code 77: the engine is not installed
 """
+import fcntl
 import json
 import os
 import shutil
@@ -114,6 +115,15 @@ with tempfile.TemporaryDirectory() as folder:
         done = subprocess.run([program, *wrong], capture_output=True, text=True, timeout=60)
         assert done.returncode in (2, 3) and done.stderr.count("\n") == 1, (wrong, done)
         assert not os.path.exists("x"), wrong
+
+    # Of two at a time the second is refused.
+    for held, second in (("it/logs/campaign.lock", ["campaign", "--resume", "it"]), ("it/parts/0", ["bench", "--resume", "it/parts/0"])):
+        folder = os.open(held, os.O_RDONLY)
+        fcntl.flock(folder, fcntl.LOCK_EX)
+        done = subprocess.run([program, *second], capture_output=True, text=True, timeout=60)
+        assert done.returncode == 2 and "another " in done.stderr and done.stderr.count("\n") == 1, done
+        os.close(folder)
+        run([program, *second])
 
     # An engine that is not there leaves no folder behind.
     for absent in (name for name, word in (("slurm", "sbatch"), ("parallel", "parallel")) if not shutil.which(word)):

@@ -335,6 +335,19 @@ TEST(Resume, MakesADamagedLineAgain) {
   EXPECT_EQ(load_results(file).finished.size(), 12u);
 }
 
+TEST(Suite, TwoRunsDoNotWriteIntoOneFolder) {
+  const Folder folder("two");
+  SuiteSettings settings = in(folder.path);
+  int tried = 0;
+  settings.between = [&] {
+    if (tried++ > 0) return;
+    EXPECT_THROW(run_suite(plan("all_active,lies"), in(folder.path), tests::never), std::invalid_argument);
+  };
+  EXPECT_EQ(run_suite(plan("all_active,lies"), settings, tests::never).tally.runs, 12u);
+  EXPECT_GT(tried, 0);
+  EXPECT_EQ(run_suite(plan("all_active,lies"), in(folder.path), tests::never).earlier, 12u);
+}
+
 TEST(Shard, PartsTogetherAreTheSuite) {
   const Folder whole("whole");
   run_suite(plan("all_active,lies"), in(whole.path), tests::never);
