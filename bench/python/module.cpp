@@ -9,6 +9,7 @@
 #include <sys/resource.h>
 
 #include <atomic>
+#include <csignal>
 #include <cstdlib>
 #include <ctime>
 #include <numeric>
@@ -218,6 +219,17 @@ Solved solve(const Instance& instance, const std::string& asked, double toleranc
   return {std::move(reply.solution), reply.seconds};
 }
 
+// Ctrl-C stops a suite, and then does what it does in Python. Threads beside the main one are never interrupted.
+struct Interruptible {
+  static inline std::atomic<bool> interrupted = false;
+  const bool main = gettid() == getpid();
+  const PyOS_sighandler_t before = main ? PyOS_setsig(SIGINT, [](int) { interrupted = true; }) : nullptr;
+  ~Interruptible() {
+    if (main) PyOS_setsig(SIGINT, before);
+    if (main && interrupted.exchange(false)) PyErr_SetInterrupt();
+  }
+};
+
 void judge_answers(const std::filesystem::path& directory, const std::vector<std::filesystem::path>& files,
                    const std::filesystem::path& out) {
   const Pack pack(directory);
@@ -228,7 +240,7 @@ void judge_answers(const std::filesystem::path& directory, const std::vector<std
               .cache = reference_cache(),
               .command = "zwang.judge_pack",
               .quiet = true},
-             false);
+             Interruptible::interrupted);
 }
 
 }  // namespace
@@ -408,9 +420,9 @@ PYBIND11_MODULE(_zwang, m) {
     const ExactBasis found = exact_basis(J, c, all);
     return std::pair(found.rows, found.contradictory);
   });
-  m.def("judge_pack", &judge_answers, free);
+  m.def("judge_pack", &judge_answers, py::call_guard<Interruptible, py::gil_scoped_release>());
   m.def("add_solver", &add_python_solver);
-  // Runs a suite into `directory` and leaves results.jsonl there. Python's signals are not looked at meanwhile.
+  // Runs a suite into `directory` and leaves results.jsonl there.
   m.def("bench", [](const std::string& suite, const std::string& scenes, const std::vector<Instance>& problems,
                     const std::vector<std::filesystem::path>& files, const std::string& chosen,
                     const std::vector<double>& tolerances, int repetitions, std::uint64_t seed,
@@ -425,6 +437,7 @@ PYBIND11_MODULE(_zwang, m) {
                          .tolerances = tolerances,
                          .repetitions = repetitions,
                          .seed = seed};
+    const Interruptible stoppable;
     std::optional<py::gil_scoped_release> working;
     if (!keep_python) working.emplace();
     run_suite(make_plan(std::move(options)),
@@ -432,7 +445,7 @@ PYBIND11_MODULE(_zwang, m) {
                .cache = reference_cache(),
                .command = "zwang.bench",
                .quiet = !progress},
-              false);
+              Interruptible::interrupted);
   });
 }
 

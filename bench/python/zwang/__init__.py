@@ -429,7 +429,7 @@ def bench(scenes=None, *, suite="quick", solvers=None, tolerances=None, repetiti
     solvers: names, or Python functions (see add_solver; two of one name are told apart as mine and mine-2), or "qpsolvers:NAME" for a
     solver that qpsolvers finds.
     law: of every problem ("frictionless", "pyramid", "convex", "coulomb"); None: its own.
-    out: a new folder that keeps the run, for `zwang report`. progress: lines on stderr on how far it is.
+    out: a new folder that keeps the run, for `zwang report`, and at Ctrl-C what is finished. progress: how far it is, on stderr.
     """
     from . import qpsolvers as outside
     asked = [] if solvers is None else [solvers] if isinstance(solvers, str) or callable(solvers) else list(solvers)

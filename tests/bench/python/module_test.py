@@ -9,10 +9,12 @@ import os
 import pathlib
 import pickle
 import random
+import signal
 import subprocess
 import sys
 import tempfile
 import threading
+import time
 import unittest
 
 import numpy
@@ -229,6 +231,31 @@ class Solving(unittest.TestCase):
         self.assertEqual(settings["nnls"]["reduce"]["default"], "false")
         with self.assertRaisesRegex(TypeError, "should be a zwang.Problem"):
             zwang.solve("hand")
+
+    def test_ctrl_c_ends_bench_and_keeps_what_is_finished(self):
+        program = """if 1:
+            import os, signal, sys, zwang
+            if sys.argv[2] == "own":
+                signal.signal(signal.SIGINT, lambda *_: print("own"))
+            try:
+                runs = zwang.bench("tower(boxes=1..400)", solvers=["dual_active_set", "nnls", *([len] if sys.argv[2] == "python" else [])],
+                                   tolerances=[1e-10], out=sys.argv[1])
+                print(len(runs) < 800)
+            except KeyboardInterrupt:
+                print("interrupted")
+            os.kill(os.getpid(), signal.SIGINT)  # as before
+        """
+        for kind, says in (("plain", "interrupted"), ("python", "interrupted"), ("own", "own\nTrue\nown\n")):
+            folder = pathlib.Path(self.enterContext(tempfile.TemporaryDirectory())) / "run"
+            process = subprocess.Popen([sys.executable, "-c", program, folder, kind], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+            results = folder / "results.jsonl"
+            while process.poll() is None and not (results.exists() and results.stat().st_size > 0):
+                time.sleep(0.01)
+            process.send_signal(signal.SIGINT)
+            said = process.communicate(timeout=60)[0]
+            self.assertEqual(said.strip(), says.strip(), kind)
+            self.assertEqual(process.returncode, 0 if kind == "own" else -signal.SIGINT, kind)
+            self.assertLess(len(results.read_text().splitlines()), 800)
 
     def test_a_wrong_name_or_setting_is_one_line(self):
         problem = zwang.scene("tower(boxes=2)")
