@@ -29,10 +29,8 @@ std::string without_placeholder(std::string text) {
 }
 
 std::size_t bytes_of_ply(std::string_view type) {
-  for (const std::string_view one : {"char", "uchar", "int8", "uint8"})
-    if (type == one) return 1;
-  for (const std::string_view two : {"short", "ushort", "int16", "uint16"})
-    if (type == two) return 2;
+  if (type.ends_with("char") || type.ends_with("int8")) return 1;
+  if (type.ends_with("short") || type.ends_with("int16")) return 2;
   return type == "double" || type == "float64" ? 8 : 4;
 }
 
@@ -48,60 +46,64 @@ std::size_t words_missing(const std::string& line, const std::vector<bool>& list
   return wanted;
 }
 
-// Of text that ends early assimp makes a part of the mesh, and of triangle strips one triangle each.
-void require_whole_ply(const fs::path& file, const std::string& ply) {
+// An element of a PLY file.
+struct PlyElement {
+  std::string name = {}, lines = {};  // lines of the header
+  std::size_t count = 0, bytes = 0;   // of a binary one; lists are longer
+  std::vector<bool> lists = {};       // which of its properties
+};
+
+// As assimp reads it; "": as it is. assimp crashes where another element stands before the vertices, as the cameras of
+// some programs do: it is left out. It takes a first byte of binary data that is the end of a line, such as 0x0A in the
+// float -0.02, for part of the header: each vertex gets another byte before it. Of text that ends early it would make a
+// part of the mesh, and of triangle strips one triangle each.
+std::string from_vertices_on(const fs::path& file, const std::string& ply) {
   const std::size_t end = ply.find("end_header");
   if (end == std::string::npos) refuse(file, "cut within its header; expected a line end_header");
   std::istringstream header(ply.substr(0, end));
-  std::string line, last;
-  std::vector<bool> lists;  // of the last element
-  std::size_t wanted = 0, seen = 0, count = 0;
-  bool text = false;
-  while (std::getline(header, line)) {
+  std::vector<PlyElement> elements(1);  // the first: what stands before them
+  for (std::string line; std::getline(header, line); elements.back().lines += line + '\n') {
     std::istringstream words(line);
     std::string word, name;
     words >> word >> name;
-    text |= word == "format" && name == "ascii";
-    if (word == "property" && count > 0) lists.push_back(name == "list");
-    if (word != "element" || !(words >> count) || count == 0) continue;
-    if (name == "tristrips") refuse(file, "its triangles are strips; expected an element face");
-    wanted += count;
-    lists.clear();
+    if (word == "element") words >> elements.emplace_back(PlyElement{name}).count;
+    if (word == "element" && name == "tristrips" && elements.back().count > 0)
+      refuse(file, "its triangles are strips; expected an element face");
+    if (word == "property")
+      elements.back().lists.push_back(name == "list"), elements.back().bytes += bytes_of_ply(name);
   }
-  if (!text) return;
-  std::istringstream data(ply.substr(ply.find('\n', end) + 1));
-  while (std::getline(data, line))
+  const bool text = elements[0].lines.find("format ascii") != std::string::npos;
+  std::size_t data = ply.find('\n', end) + 1, wanted = 0, seen = 0;
+  bool changed = false;
+  for (; elements.size() > 1 && elements[1].name != "vertex" && elements[1].name != "face"; changed = true) {
+    const PlyElement other = elements[1];
+    elements.erase(elements.begin() + 1);
+    if (!text && std::ranges::count(other.lists, true) > 0)
+      refuse(file, "its element " + other.name + ", which has lists, stands before its vertices");
+    for (std::size_t k = text ? other.count : 0; k > 0 && data > 0; --k) data = ply.find('\n', data) + 1;
+    data += text ? 0 : std::min(ply.size(), other.count) * other.bytes;
+  }
+  if (data == 0 || data > ply.size()) refuse(file, "cut before its data");
+  std::vector<bool> lists;  // of the last element
+  for (const PlyElement& element : elements)
+    if (element.count > 0) wanted += element.count, lists = element.lists;
+  std::istringstream records(text ? ply.substr(data) : "");
+  std::string last;
+  for (std::string line; std::getline(records, line);)
     if (line.find_first_not_of(" \t\r") != std::string::npos) ++seen, last = line;
-  if (seen < wanted || (seen == wanted && words_missing(last, lists) > 0))
+  if (text && (seen < wanted || (seen == wanted && words_missing(last, lists) > 0)))
     refuse(file, "cut: " + grouped(seen) + " lines of data; expected " + grouped(wanted) + " whole ones");
-}
-
-// assimp takes a first byte of binary data that is the end of a line, such as 0x0A in the float -0.02, for part of the
-// header. Each vertex then gets another byte before it. "": the file as it is.
-std::string with_first_byte_read(const std::string& ply) {
-  const std::size_t end = ply.find("end_header"), data = ply.find('\n', end) + 1;
-  if (ply.find("format binary") > end || data == 0 || data >= ply.size() || (ply[data] != '\n' && ply[data] != '\r'))
-    return {};
-  std::istringstream header(ply.substr(0, end));
-  std::string out, line;
-  std::size_t elements = 0, count = 0, record = 0;
-  while (std::getline(header, line)) {
-    std::istringstream words(line);
-    std::string word, type;
-    words >> word >> type;
-    out += line + '\n';
-    if (word == "element" && ++elements == 1) {
-      words >> count;
-      out += "property uchar first\n";
-    }
-    if (word != "property" || elements != 1) continue;
-    if (type == "list") return {};
-    record += bytes_of_ply(type);
-  }
-  if (count == 0 || record == 0 || count > (ply.size() - data) / record) return {};
+  PlyElement& first = elements[elements.size() > 1];
+  const bool marked = !text && (ply[data] == '\n' || ply[data] == '\r') && std::ranges::count(first.lists, true) == 0 &&
+                      first.bytes > 0 && first.count <= (ply.size() - data) / first.bytes;
+  if (!changed && !marked) return {};
+  if (marked) first.lines.insert(first.lines.find('\n') + 1, "property uchar first\n");
+  std::string out;
+  for (const PlyElement& element : elements) out += element.lines;
   out += "end_header\n";
-  for (std::size_t k = 0; k < count; ++k) out.append(1, 'x').append(ply, data + k * record, record);
-  return out.append(ply, data + count * record);
+  for (std::size_t k = 0; marked && k < first.count; ++k, data += first.bytes)
+    out.append(1, 'x').append(ply, data, first.bytes);
+  return out.append(ply, data);
 }
 
 // Text in small letters, which are all that assimp knows. "": the file as it is. Refuses what is neither text nor of
@@ -133,13 +135,21 @@ std::string in_small_letters(const fs::path& file, const std::string& stl) {
   return text;
 }
 
-// assimp passes over what a glTF requires and it does not know: it reads quantized or packed numbers as others.
+// assimp passes over what a glTF requires and it does not know: it reads quantized or packed numbers as others. And it
+// turns by quaternions as they are: one of another length would shear and swell the mesh. Three digits are near enough.
 void require_plain_gltf(const fs::path& file, const std::string& bytes) {
   const std::size_t at = bytes.find("\"extensionsRequired\"");
   const std::string required = at == std::string::npos ? "" : bytes.substr(at, bytes.find(']', at) - at);
   for (const char* name : {"KHR_mesh_quantization", "EXT_meshopt_compression", "EXT_mesh_gpu_instancing"})
     if (required.find(name) != required.npos)
       refuse(file, "requires " + std::string(name) + ", which is not read; expected a mesh stored without it");
+  for (std::size_t k = 0; (k = bytes.find("\"rotation\"", k)) != bytes.npos; ++k) {
+    Eigen::Vector4d q;
+    const std::string node = bytes.substr(k, 400);
+    if (std::sscanf(node.c_str(), "\"rotation\" : [ %lf , %lf , %lf , %lf", &q[0], &q[1], &q[2], &q[3]) == 4 &&
+        !(std::abs(q.norm() - 1) <= 1e-3))
+      refuse(file, printed("a rotation by a quaternion of length %g; expected length 1", q.norm()));
+  }
 }
 
 // assimp passes over a vertex that is indented, behind a byte order mark, has .5, a capital V or a colour with its
@@ -207,12 +217,11 @@ void append(const aiScene& scene, const aiNode& node, const aiMatrix4x4t<double>
 // What assimp makes of a file's contents, one mesh.
 Mesh parse(const StoredFile& stored, const std::string& kind, const std::string& bytes, double unit) {
   const fs::path& file = stored.path;
-  if (kind == ".ply") require_whole_ply(file, bytes);
   if (kind == ".dxf" && bytes.find("EOF", std::max<std::size_t>(bytes.size(), 100) - 100) == std::string::npos)
     refuse(file, "cut: no EOF at its end");
   if (kind == ".glb" || kind == ".gltf") require_plain_gltf(file, bytes);
   const std::string sound = kind == ".stl"   ? in_small_letters(file, bytes)
-                            : kind == ".ply" ? with_first_byte_read(bytes)
+                            : kind == ".ply" ? from_vertices_on(file, bytes)
                             : kind == ".obj" ? with_every_vertex(file, bytes)
                                              : std::string();
   const std::string& read = sound.empty() ? bytes : sound;

@@ -201,6 +201,57 @@ TEST_F(MeshFiles, TextThatEndsEarlyIsRefused) {
     EXPECT_NE(complaint(write("cut.dxf", cut)).find("cut: no EOF at its end"), std::string::npos);
 }
 
+// assimp crashes there.
+TEST_F(MeshFiles, AnElementBeforeTheVerticesIsPassedOver) {
+  const std::string camera = "element camera 2\nproperty float x\nproperty uchar y\nproperty double z\n",
+                    rest =
+                        "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+                        "element face 1\nproperty list uchar uint vertex_indices\n";
+  const std::string text =
+                        "ply\nformat ascii 1.0\n" + camera + rest + "end_header\n1 2 3\n4 5 6\n0 0 0\n1 0 0\n0 1 0\n",
+                    face = "3 0 1 2\n";
+  for (const float first : {0.0f, -0.02f}) {
+    const std::array<float, 9> points{first, 0, 0, 1, 0, 0, 0, 1, 0};
+    const std::array<std::uint32_t, 3> corners{0, 1, 2};
+    std::string binary =
+        "ply\nformat binary_little_endian 1.0\n" + camera + rest + "end_header\n" + std::string(26, '\n');
+    binary.append(reinterpret_cast<const char*>(points.data()), sizeof points) += '\3';
+    binary.append(reinterpret_cast<const char*>(corners.data()), sizeof corners);
+    const MeshFile read = read_mesh(write("camera.ply", binary));
+    ASSERT_EQ(read.mesh.vertices.size(), 3u);
+    EXPECT_EQ(read.mesh.vertices[0][0], first);
+    EXPECT_EQ(read.mesh.triangles.size(), 1u);
+  }
+  const MeshFile read = read_mesh(write("camera.ply", text + face));
+  EXPECT_EQ(read.mesh.vertices.size(), 3u);
+  EXPECT_EQ(read.report.high, Vec3(1, 1, 0));
+  EXPECT_NE(complaint(write("cut.ply", text)).find("cut: 3 lines of data; expected 4 whole ones"), std::string::npos);
+  const std::string empty = "ply\nformat ascii 1.0\n" + camera + rest + "end_header\n1 2 3";
+  EXPECT_NE(complaint(write("cut.ply", empty)).find("cut before its data"), std::string::npos);
+  const std::string lists =
+      "ply\nformat binary_little_endian 1.0\nelement strip 1\nproperty list uchar int a\n" + rest + "end_header\n";
+  EXPECT_NE(complaint(write("lists.ply", lists)).find("its element strip, which has lists"), std::string::npos);
+}
+
+TEST_F(MeshFiles, AQuaternionOfAnotherLengthThanOneIsRefused) {
+  const auto turned =
+      [&](const std::string& rotation) {
+        return complaint(write("turned.gltf", R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}],
+      "nodes": [{"mesh": 0, "rotation" : [ )" + rotation +
+                                                  R"( ]}],
+      "meshes": [{"primitives": [{"attributes": {"POSITION": 1}, "indices": 0}]}],
+      "buffers": [{"byteLength": 44, "uri": "data:application/octet-stream;base64,AAABAAIAAAAAAAAAAAAAAAAAAAAAAI)"
+                                                  R"(A/AAAAAAAAAAAAAAAAAACAPwAAAAA="}],
+      "bufferViews": [{"buffer": 0, "byteLength": 6}, {"buffer": 0, "byteOffset": 8, "byteLength": 36}],
+      "accessors": [{"bufferView": 0, "componentType": 5123, "count": 3, "type": "SCALAR"},
+                    {"bufferView": 1, "componentType": 5126, "count": 3, "type": "VEC3"}]})"));
+      };
+  for (const char* sound : {"0, 0, 0, 1", "0.707,0,0,0.707", "0.5 , -0.5,\n 0.5 , 0.5"})
+    EXPECT_EQ(turned(sound), "") << sound;
+  for (const char* other : {"0, 0, 0, 2", "0.71, 0, 0, 0.71", "0, 0, 0, 0", "0.6, 0, 0, 1"})
+    EXPECT_NE(turned(other).find("a rotation by a quaternion of length "), std::string::npos) << other;
+}
+
 TEST_F(MeshFiles, WhatAssimpWouldReadWronglyIsRefused) {
   const std::string strip =
       "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
