@@ -47,8 +47,9 @@ void print(const Result& r, bool chosen) {
   if (!r.handed_to.empty())
     line("answered", "by " + r.handed_to + ", to which " + r.solver + " handed this problem over");
   line("claimed", std::string(to_string(r.claimed)));
-  std::string against =
-      std::isnan(k.z_error) ? "no reference" : "z_error " + scientific(k.z_error) + " against " + r.reference;
+  std::string against = r.feasible == false     ? "no z meets all rows as they are stored (" + r.reference + ")"
+                        : std::isnan(k.z_error) ? "no reference"
+                                                : "z_error " + scientific(k.z_error) + " against " + r.reference;
   if (std::isinf(k.z_bound))
     against += "; no distance from the solution could be proved without one";
   else if (!std::isnan(k.z_bound))

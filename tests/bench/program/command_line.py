@@ -225,6 +225,9 @@ def check_solve():
     people = run(["solve", "two.h5", "--problem", "second", "--solver", "pgs:relaxation=1.2", "--trace"])
     for word in ("claimed", "verified", "residuals", "time", "iteration"):
         check(f"solve prints {word}", people.returncode == 0 and word in people.stdout, people.stdout + people.stderr)
+    run(["export", "GAP", "--k=45", "--out", "rounding.h5"])
+    why = run(["solve", "rounding.h5", "--solver", "pgs"]).stdout
+    check("solve says why where rows contradict each other by rounding", "verified   wrong   no z meets all rows as they are stored (" in why, why)
     run(["export", "GAP", "--k=8", "--out", "gap.h5"])
     for words, code in (([], 0), (["--check"], 1), (["--check", "--json"], 1)):
         false = run(["solve", "gap.h5", "--solver", "nnls_paper", *words])
