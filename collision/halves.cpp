@@ -9,7 +9,6 @@
 namespace zwang::collision {
 
 Halves::Halves(const Mesh& mesh) {
-  const double infinite = std::numeric_limits<double>::infinity();
   std::vector<Vec3> centre;  // times 3
   for (const auto& [a, b, c] : mesh.triangles) centre.push_back(mesh.vertices[a] + mesh.vertices[b] + mesh.vertices[c]);
   std::vector<int> order(mesh.triangles.size());
@@ -23,27 +22,23 @@ Halves::Halves(const Mesh& mesh) {
   for (std::vector<Open> open{{0, order}}; !open.empty();) {
     const auto [number, triangles] = open.back();
     open.pop_back();
-    Vec3 low = Vec3::Constant(infinite), high = -low, first = low, last = high;
+    Eigen::AlignedBox3d box, centres;
     for (const int t : triangles) {
-      for (const std::uint32_t v : mesh.triangles[static_cast<std::size_t>(t)]) {
-        low = low.cwiseMin(mesh.vertices[v]);
-        high = high.cwiseMax(mesh.vertices[v]);
-      }
-      first = first.cwiseMin(centre[static_cast<std::size_t>(t)]);
-      last = last.cwiseMax(centre[static_cast<std::size_t>(t)]);
+      for (const std::uint32_t v : mesh.triangles[at(t)]) box.extend(mesh.vertices[v]);
+      centres.extend(centre[at(t)]);
     }
     const bool leaf = triangles.size() == 1;
-    nodes_[number] = {
-        {low, high}, static_cast<int>(triangles.size()), leaf ? triangles[0] : static_cast<int>(nodes_.size())};
+    nodes_[number] = {{box.min(), box.max()},
+                      static_cast<int>(triangles.size()),
+                      leaf ? triangles[0] : static_cast<int>(nodes_.size())};
     if (leaf) continue;
     Index axis;
-    (last - first).maxCoeff(&axis);
+    centres.sizes().maxCoeff(&axis);
     const std::size_t half = triangles.size() / 2;
     std::nth_element(triangles.begin(), triangles.begin() + static_cast<long>(half), triangles.end(),
                      [&](int a, int b) {
-                       const double at = centre[static_cast<std::size_t>(a)][axis],
-                                    other = centre[static_cast<std::size_t>(b)][axis];
-                       return at < other || (at == other && a < b);
+                       const double of_a = centre[at(a)][axis], of_b = centre[at(b)][axis];
+                       return of_a < of_b || (of_a == of_b && a < b);
                      });
     open.push_back({nodes_.size() + 1, triangles.subspan(half)});
     open.push_back({nodes_.size(), triangles.first(half)});

@@ -133,11 +133,8 @@ void Tree::flatten(const Mesh& mesh, const Boxes& model) {
 }
 
 void Tree::find_box() {
-  low_ = high_ = points_.front();
-  for (const Vec3& p : points_) {
-    low_ = low_.cwiseMin(p);
-    high_ = high_.cwiseMax(p);
-  }
+  box_.setEmpty();
+  for (const Vec3& p : points_) box_.extend(p);
 }
 
 // Where it has a small part of the surface of the box along the axes.
@@ -171,18 +168,14 @@ Slab Tree::slab_about(std::size_t node) const {
     const Vec3 normal = (b - a).cross(c - a);
     across += normal.dot(across) < 0 ? -normal : normal;
   }
-  Slab slab{Mat3::Identity(), Vec3::Constant(std::numeric_limits<double>::infinity()),
-            Vec3::Constant(-std::numeric_limits<double>::infinity())};
-  slab.axes.col(0) = along.normalized();
-  across -= across.dot(slab.axes.col(0)) * slab.axes.col(0);
-  slab.axes.col(2) = across.squaredNorm() > 0 ? across.normalized() : slab.axes.col(0).unitOrthogonal();
-  slab.axes.col(1) = slab.axes.col(2).cross(slab.axes.col(0));
-  for (const Vec3& p : points(begin, end)) {
-    const Vec3 at = slab.axes.transpose() * p;
-    slab.low = slab.low.cwiseMin(at - Vec3::Constant(rounding));
-    slab.high = slab.high.cwiseMax(at + Vec3::Constant(rounding));
-  }
-  return slab;
+  Mat3 axes;
+  axes.col(0) = along.normalized();
+  across -= across.dot(axes.col(0)) * axes.col(0);
+  axes.col(2) = across.squaredNorm() > 0 ? across.normalized() : axes.col(0).unitOrthogonal();
+  axes.col(1) = axes.col(2).cross(axes.col(0));
+  Eigen::AlignedBox3d box;
+  for (const Vec3& p : points(begin, end)) box.extend(axes.transpose() * p);
+  return {axes, box.min() - Vec3::Constant(rounding), box.max() + Vec3::Constant(rounding)};
 }
 
 double Tree::bytes_per_triangle() const {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <ranges>
@@ -132,8 +133,7 @@ class Tree {
   std::span<const std::array<std::uint32_t, 3>> corners() const { return corners_; }
   // The number of triangle t of this tree in the mesh.
   std::uint32_t origin(std::size_t t) const { return origin_[t]; }
-  const Vec3& low() const { return low_; }
-  const Vec3& high() const { return high_; }
+  const Eigen::AlignedBox3d& box() const { return box_; }
   double bytes_per_triangle() const;
 
   // One block of bytes, from which from_bytes restores the tree bit for bit. from_bytes throws std::runtime_error when
@@ -156,7 +156,7 @@ class Tree {
   std::vector<std::uint32_t> origin_ = {};
   std::vector<Slab> slabs_ = {};
   std::vector<std::uint32_t> slab_at_ = {};  // by node; empty where there are none
-  Vec3 low_ = Vec3::Zero(), high_ = Vec3::Zero();
+  Eigen::AlignedBox3d box_{Vec3::Zero(), Vec3::Zero()};
   bool of_slivers_ = false;  // mostly (halves.h)
 };
 

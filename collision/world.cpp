@@ -75,7 +75,7 @@ double past_slivers(const Shape& a, const RelativeMotion& motion, RelativeMotion
 
 int World::add(std::shared_ptr<const Tree> mesh, const Pose<double>& pose, Filter filter) {
   if (!mesh || mesh->size() == 0) throw std::invalid_argument("a mesh without triangles");
-  const Vec3 middle = (mesh->low() + mesh->high()) / 2, half = (mesh->high() - mesh->low()) / 2;
+  const Vec3 middle = mesh->box().center(), half = mesh->box().sizes() / 2;
   const double arm = (middle.cwiseAbs() + half).norm();
   return add({std::move(mesh), pose, filter, true, middle, half, arm});
 }
@@ -86,11 +86,10 @@ int World::add(const Shape& shape, const Pose<double>& pose, Filter filter, bool
 }
 
 int World::add(Collider collider) {
-  Vec3 low, high;
-  box_of(collider, low, high);
+  const Eigen::AlignedBox3d box = box_of(collider);
   colliders_.push_back(std::move(collider));
   move_of_.push_back(nullptr);
-  broad_phase_.add(low, high);
+  broad_phase_.add(box.min(), box.max());
   near_reach_ = -1;
   return size() - 1;
 }
@@ -98,9 +97,8 @@ int World::add(Collider collider) {
 void World::place(int collider, const Pose<double>& pose) {
   Collider& c = colliders_[static_cast<std::size_t>(collider)];
   c.pose = pose;
-  Vec3 low, high;
-  box_of(c, low, high);
-  broad_phase_.move(collider, low, high);
+  const Eigen::AlignedBox3d box = box_of(c);
+  broad_phase_.move(collider, box.min(), box.max());
   near_reach_ = -1;
 }
 
@@ -109,10 +107,9 @@ const Tree* World::mesh(int collider) const {
   return tree ? tree->get() : nullptr;
 }
 
-void World::box_of(const Collider& c, Vec3& low, Vec3& high) const {
+Eigen::AlignedBox3d World::box_of(const Collider& c) {
   const Vec3 middle = c.pose * c.middle, half = c.pose.rotation.cwiseAbs() * c.half;
-  low = middle - half;
-  high = middle + half;
+  return {middle - half, middle + half};
 }
 
 bool World::may_meet(int a, int b) const {
@@ -146,10 +143,9 @@ void World::collect(double activation, Found& found) {
   for (int c = 0; c < size(); ++c) others = std::max(others, travel(c));
   for (int a = 0; a < size(); ++a) {
     if (!shape(a)) continue;
-    Vec3 low, high;
-    box_of(at(a), low, high);
+    const Eigen::AlignedBox3d box = box_of(at(a));
     const Vec3 margin = Vec3::Constant(activation + 2 * margins_.stop + travel(a) + others);
-    broad_phase_.query(low - margin, high + margin, overlapping_);
+    broad_phase_.query(box.min() - margin, box.max() + margin, overlapping_);
     for (const int b : overlapping_)
       if (may_meet(a, b)) collect_pair(a, b, activation, found);
   }

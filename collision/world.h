@@ -103,7 +103,7 @@ class World {
 
   const Collider& at(int c) const { return colliders_[static_cast<std::size_t>(c)]; }
   int add(Collider collider);
-  void box_of(const Collider& c, Vec3& low, Vec3& high) const;
+  static Eigen::AlignedBox3d box_of(const Collider& c);
   bool may_meet(int a, int b) const;
   BodyMotion body_motion(int collider) const;
   double travel(int collider) const;

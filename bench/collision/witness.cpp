@@ -125,10 +125,10 @@ Witness::~Witness() = default;
 bool Witness::overlaps(const Shape& shape, const Pose<double>& pose, std::size_t mesh,
                        const Pose<double>& of_mesh) const {
   // Boxes first: most pairs of a scene are far apart.
-  const collision::Tree& tree = *models_->trees[mesh];
+  const Eigen::AlignedBox3d& box = models_->trees[mesh]->box();
   const Vec3 local = of_mesh.rotation.transpose() * (pose.position - of_mesh.position);
   const double reach = shape.reach() + shape.radius();
-  if ((local.array() + reach < tree.low().array()).any() || (local.array() - reach > tree.high().array()).any())
+  if ((local.array() + reach < box.min().array()).any() || (local.array() - reach > box.max().array()).any())
     return false;
   return std::ranges::any_of(models_->of(shape), [&](const Primitive& primitive) {
     return collide(*models_->all[mesh], of_mesh, *primitive.geometry, times(pose, primitive.place));

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <algorithm>
-#include <limits>
 #include <span>
 
 #include <zwang/collision/narrow_phase/closest.h>
@@ -12,23 +11,17 @@ namespace zwang::collision {
 // box of the core in B's axes and one in A's axes. The second is the tighter one for a long finger that lies oblique.
 struct Region {
   Pose<double> a_in_b;
-  Vec3 low, high;              // B's axes
-  Vec3 local_low, local_high;  // A's axes
+  Eigen::AlignedBox3d box, local;  // in B's axes, in A's
 
   const Shape& shape;
 
-  Region(const Shape& a, const Pose<double>& at, double margin) : a_in_b(at), shape(a) {
-    local_low = low = Vec3::Constant(std::numeric_limits<double>::infinity());
-    local_high = high = -low;
-    include(at, margin);
-  }
+  Region(const Shape& a, const Pose<double>& at, double margin) : a_in_b(at), shape(a) { include(at, margin); }
   void include(const Pose<double>& at, double margin) {
+    const Vec3 room = Vec3::Constant(margin);
     for (const Vec3& corner : shape.corners()) {
       const Vec3 p = at * corner, q = a_in_b.rotation.transpose() * (p - a_in_b.position);
-      low = low.cwiseMin(p - Vec3::Constant(margin));
-      high = high.cwiseMax(p + Vec3::Constant(margin));
-      local_low = local_low.cwiseMin(q - Vec3::Constant(margin));
-      local_high = local_high.cwiseMax(q + Vec3::Constant(margin));
+      box.extend({p - room, p + room});
+      local.extend({q - room, q + room});
     }
   }
 
@@ -40,28 +33,28 @@ struct Region {
     Vec3 middle, half;
     for (int k = 0; k < 3; ++k) {
       const double l = node.low[static_cast<std::size_t>(k)], h = node.high[static_cast<std::size_t>(k)];
-      if (l > high[k] || h < low[k]) return true;
+      if (l > box.max()[k] || h < box.min()[k]) return true;
       middle[k] = (l + h) / 2 - a_in_b.position[k];
       half[k] = (h - l) / 2;
     }
     for (int k = 0; k < 3; ++k) {
       const auto axis = a_in_b.rotation.col(k);
       seen.at[k] = axis.dot(middle), seen.half[k] = axis.cwiseAbs().dot(half);
-      if (seen.at[k] - seen.half[k] > local_high[k] || seen.at[k] + seen.half[k] < local_low[k]) return true;
+      if (seen.at[k] - seen.half[k] > local.max()[k] || seen.at[k] + seen.half[k] < local.min()[k]) return true;
     }
     return false;
   }
   // Along the slab's axes.
   bool misses(const Slab& slab) const {
-    const Vec3 half = (local_high - local_low) / 2, middle = a_in_b * Vec3((local_low + local_high) / 2);
+    const Vec3 half = local.sizes() / 2, middle = a_in_b * local.center();
     const Mat3 back = slab.axes.transpose();
     const Vec3 at = back * middle, wide = (back * a_in_b.rotation).cwiseAbs() * half;
     return (at + wide - slab.low).minCoeff() < 0 || (slab.high - at + wide).minCoeff() < 0;
   }
-  bool misses(const Triangle& local) const {
-    const auto& [a, b, c] = local.corner;
+  bool misses(const Triangle& of_a) const {
+    const auto& [a, b, c] = of_a.corner;
     for (int k = 0; k < 3; ++k)
-      if (std::min({a[k], b[k], c[k]}) > local_high[k] || std::max({a[k], b[k], c[k]}) < local_low[k]) return true;
+      if (std::min({a[k], b[k], c[k]}) > local.max()[k] || std::max({a[k], b[k], c[k]}) < local.min()[k]) return true;
     return false;
   }
 };

@@ -26,7 +26,7 @@ double top_of(const Surroundings& surroundings, const Vec3& up) {
     top = std::max(top, up.dot(pose * middle) + (pose.rotation.transpose() * up).cwiseAbs().dot(half));
   };
   for (const Object& o : surroundings.objects) {
-    if (o.mesh) include(o.pose, (o.mesh->low() + o.mesh->high()) / 2, (o.mesh->high() - o.mesh->low()) / 2);
+    if (o.mesh) include(o.pose, o.mesh->box().center(), o.mesh->box().sizes() / 2);
     for (const Object::Piece& piece : o.pieces)
       include(o.pose, piece.at.position, Vec3::Constant(reach_of(piece.shape)));
   }

@@ -45,7 +45,7 @@ NearestPoint nearest_of_all(const Tree& tree, const Vec3& p, std::span<const Pla
 
 // Near the part, whose axis is z, and not the large triangle under a spoiled one.
 Pose<double> somewhere(Draw& draw, const Tree& tree) {
-  return {Vec3(0, 0, (tree.low().z() + tree.high().z()) / 2) + 0.06 * draw.cube(1), rotation(draw.cube(2))};
+  return {Vec3(0, 0, tree.box().center().z()) + 0.06 * draw.cube(1), rotation(draw.cube(2))};
 }
 
 TEST(Slivers, AreAsThinAsTheySay) {

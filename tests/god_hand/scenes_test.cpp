@@ -120,7 +120,7 @@ TEST(Scenes, OfRealParts) {
   const Surroundings two = make_surroundings(ring + "@mm," + ring + "@mm", {});
   ASSERT_EQ(two.objects.size(), 2u);
   EXPECT_EQ(two.objects[0].mesh, two.objects[1].mesh);
-  EXPECT_NEAR(two.objects[0].pose.position.z() + two.objects[0].mesh->high().z(), 0, 1e-12);
+  EXPECT_NEAR(two.objects[0].pose.position.z() + two.objects[0].mesh->box().max().z(), 0, 1e-12);
   EXPECT_THROW(make_surroundings(ring + "@mn", {}), BadFile);
 }
 

@@ -82,9 +82,9 @@ static_assert(sizeof(Vertex) == 12);
 DisplayMesh display_mesh(const collision::Tree& tree, std::size_t triangles) {
   DisplayMesh out;
   out.full = tree.size();
-  out.low = tree.low();
-  out.size = std::max((tree.high() - tree.low()).maxCoeff(), 1e-9);
-  const Vec3 centre = (tree.low() + tree.high()) / 2;
+  out.low = tree.box().min();
+  out.size = std::max(tree.box().sizes().maxCoeff(), 1e-9);
+  const Vec3 centre = tree.box().center();
   std::vector<Point> points;
   points.reserve(3 * tree.size());
   for (const collision::Triangle& triangle : tree.triangles())
@@ -108,7 +108,7 @@ DisplayMesh display_mesh(const collision::Tree& tree, std::size_t triangles) {
 
   // One vertex for each corner, welded where position and normal are the same.
   const Fans fans(mesh);
-  const Point low = (tree.low() - centre).cast<float>();
+  const Point low = (tree.box().min() - centre).cast<float>();
   std::vector<Vertex> corners;
   for (std::size_t i = 0; i < shown.size(); i += 3) {
     const Point facing = area_normal(mesh, &shown[i]).normalized();

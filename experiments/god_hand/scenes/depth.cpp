@@ -77,18 +77,17 @@ struct Depth::Volume {
   Pose<double> pose;
   std::shared_ptr<const Tree> mesh;
   std::vector<Convex> pieces;
-  Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;  // m, in its axes
+  Eigen::AlignedBox3d box = {};  // m, in its axes
 
   double distance(const Vec3& p, double reach) const {
-    if ((low - p).cwiseMax(p - high).cwiseMax(0).norm() > reach) return reach;
+    if ((box.min() - p).cwiseMax(p - box.max()).cwiseMax(0).norm() > reach) return reach;
     double best = reach;
     for (const Convex& piece : pieces)
       best = std::min(best,
                       distance_to(piece.shape, piece.faces, piece.at.rotation.transpose() * (p - piece.at.position)));
     if (!mesh) return best;
-    const bool within =
-        (p.array() >= mesh->low().array()).all() && (p.array() <= mesh->high().array()).all() && inside(*mesh, p);
-    double surface = within ? (high - low).norm() : best;
+    const bool within = mesh->box().contains(p) && inside(*mesh, p);
+    double surface = within ? box.sizes().norm() : best;
     if (const auto found = collision::nearest(*mesh, p, surface)) surface = found->distance;
     return std::min(best, within ? -surface : surface);
   }
@@ -97,19 +96,14 @@ struct Depth::Volume {
 Depth::Depth(const Surroundings& surroundings) {
   for (const Object& object : surroundings.objects) {
     Volume volume{.pose = object.pose, .mesh = object.loose() ? nullptr : object.mesh, .pieces = {}};
-    if (volume.mesh) {
-      volume.low = volume.mesh->low();
-      volume.high = volume.mesh->high();
-    }
+    if (volume.mesh) volume.box = volume.mesh->box();
     for (const Object::Piece& piece : object.pieces) {
       const bool hull = piece.shape.core() == Core::hull;
       volume.pieces.push_back(
           {piece.shape, piece.at, hull ? hull_faces(piece.shape.corners()) : std::vector<HullFace>()});
-      for (const Vec3& corner : piece.shape.corners()) {
-        const Vec3 p = piece.at * corner;
-        volume.low = volume.low.cwiseMin(p - Vec3::Constant(piece.shape.radius()));
-        volume.high = volume.high.cwiseMax(p + Vec3::Constant(piece.shape.radius()));
-      }
+      const Vec3 room = Vec3::Constant(piece.shape.radius());
+      for (const Vec3& corner : piece.shape.corners())
+        volume.box.extend({piece.at * corner - room, piece.at * corner + room});
     }
     volumes_.push_back(std::move(volume));
   }

@@ -50,24 +50,19 @@ TreePointer whole_differential(const fs::path& folder) {
 // In rows, about as wide as deep, tops at z = 0.
 std::vector<Object> in_rows(const std::vector<NamedTree>& parts) {
   double area = 0;
-  for (const auto& [name, tree] : parts) {
-    const Vec3 size = tree->high() - tree->low();
-    area += size.x() * size.y();
-  }
+  for (const auto& [name, tree] : parts) area += tree->box().sizes().head<2>().prod();
   return laid_out(parts, 1.1 * std::sqrt(area));
 }
 
 // The same, standing about a point.
 void stand(Surroundings& s, const std::vector<NamedTree>& parts, const Vec3& at) {
   std::vector<Object> group = in_rows(parts);
-  Vec3 low = Vec3::Constant(1e9), high = -low;
-  for (const Object& object : group) {
-    low = low.cwiseMin(object.pose * object.mesh->low());
-    high = high.cwiseMax(object.pose * object.mesh->high());
-  }
+  Eigen::AlignedBox3d box;
+  for (const Object& object : group)
+    box.extend({object.pose * object.mesh->box().min(), object.pose * object.mesh->box().max()});
   for (Object& object : group) {
-    object.pose.position += at - (low + high) / 2;
-    object.pose.position.z() = at.z() - object.mesh->low().z();
+    object.pose.position += at - box.center();
+    object.pose.position.z() = at.z() - object.mesh->box().min().z();
     s.objects.push_back(std::move(object));
   }
 }
@@ -106,8 +101,7 @@ Surroundings real_engine_scene(const fs::path& folder) {
   const TreePointer deck = load(find_part(folder, "counter.unitsmm.STL"), 1e-3);
   for (const double x : {-0.155, 0.155})
     s.objects.push_back(
-        fixed("deck", deck,
-              Vec3(x, 0, -deck->high().z()) - Vec3((deck->low() + deck->high()).cwiseProduct(Vec3(0.5, 0.5, 0)))));
+        fixed("deck", deck, Vec3(x, 0, -deck->box().max().z()) - deck->box().center().cwiseProduct(Vec3(1, 1, 0))));
   const Vec3 tray(0, -0.16, 0);
   s.objects.push_back(table("tray", {0.16, 0.09, 0.012}, tray, 10000));
   add_small_parts(s, tray);
@@ -127,7 +121,7 @@ Surroundings files_scene(const std::string& files) {
     if (!tree) tree = load(file, unit);
     // Without a unit metres may be meant, but not where a part of 3 mm or more is in a file of millimetres.
     const bool given = file != item;
-    const double width = (tree->high() - tree->low()).maxCoeff();
+    const double width = tree->box().sizes().maxCoeff();
     if (width > (given ? 50 : 3) || width < 1e-3)
       throw BadFile(file.string() + ": " + printed("%.3g", width) + " m wide; " +
                     (given ? "in its unit 1 mm to 50 m expected"

@@ -152,9 +152,9 @@ std::vector<Object> laid_out(const std::vector<NamedTree>& parts, double row) {
   std::vector<Object> objects;
   double x = 0, y = 0, deepest = 0;
   for (const auto& [name, part] : parts) {
-    const Vec3 size = part->high() - part->low();
+    const Vec3 size = part->box().sizes();
     if (x > 0 && x + size.x() > row) x = 0, y += deepest + apart, deepest = 0;
-    const Vec3 corner(x, y, 0), top(part->low().x(), part->low().y(), part->high().z());
+    const Vec3 corner(x, y, 0), top(part->box().min().x(), part->box().min().y(), part->box().max().z());
     objects.push_back(fixed(name, part, corner - top));
     x += size.x() + apart;
     deepest = std::max(deepest, size.y());

@@ -63,13 +63,14 @@ Vec3 surface_at(const Surroundings& surroundings, double x, double y) {
 // there counts with the root of its share: two half covered places are better than one full one. Places from which
 // something sticks out by more than 20 mm are left out.
 Vec3 busiest_place(const Surroundings& surroundings) {
-  Vec3 low = Vec3::Constant(infinity), high = -low;
+  Eigen::AlignedBox3d box;
   for (const Object& object : surroundings.objects) {
     if (!object.mesh) continue;
-    const Vec3 middle = object.pose * Vec3((object.mesh->low() + object.mesh->high()) / 2);
-    const Vec3 half = object.pose.rotation.cwiseAbs() * (object.mesh->high() - object.mesh->low()) / 2;
-    low = low.cwiseMin(middle - half), high = high.cwiseMax(middle + half);
+    const Vec3 middle = object.pose * object.mesh->box().center();
+    const Vec3 half = object.pose.rotation.cwiseAbs() * object.mesh->box().sizes() / 2;
+    box.extend({middle - half, middle + half});
   }
+  const Vec3 low = box.min(), high = box.max();
   const double step = std::max(0.01, std::max(high.x() - low.x(), high.y() - low.y()) / 100);
   const int nx = static_cast<int>((high.x() - low.x()) / step) + 1,
             ny = static_cast<int>((high.y() - low.y()) / step) + 1;

@@ -63,7 +63,7 @@ class TreeShape : public btConcaveShape {
     });
   }
   void getAabb(const btTransform& t, btVector3& low, btVector3& high) const override {
-    btTransformAabb(vector(tree_->low()), vector(tree_->high()), 0, t, low, high);
+    btTransformAabb(vector(tree_->box().min()), vector(tree_->box().max()), 0, t, low, high);
   }
   void calculateLocalInertia(btScalar, btVector3& inertia) const override { inertia.setZero(); }
   void setLocalScaling(const btVector3&) override {}
@@ -94,10 +94,7 @@ class TreeShape : public btConcaveShape {
       collision::Triangle local;
       for (std::size_t k = 0; k < 3; ++k)
         local.corner[k] = at.rotation.transpose() * (triangle.corner[k] - at.position);
-      const auto [p, q, r] = local.corner;
-      return (p.cwiseMin(q).cwiseMin(r).array() <= region_.local_high.array()).all() &&
-             (p.cwiseMax(q).cwiseMax(r).array() >= region_.local_low.array()).all() &&
-             collision::closest(region_.shape, local, reach_).distance < reach_;
+      return !region_.misses(local) && collision::closest(region_.shape, local, reach_).distance < reach_;
     }
 
    private:

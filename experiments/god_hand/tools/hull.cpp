@@ -15,9 +15,9 @@ std::vector<Vec3> directions() {
 }
 
 Hull hull_of(std::span<const Vec3> vertices) {
-  Vec3 low = vertices[0], high = low;
-  for (const Vec3& v : vertices) low = low.cwiseMin(v), high = high.cwiseMax(v);
-  const Vec3 middle = (low + high) / 2;
+  Eigen::AlignedBox3d box;
+  for (const Vec3& v : vertices) box.extend(v);
+  const Vec3 middle = box.center();
   std::vector<Vec3> points;
   for (const Vec3& way : directions()) {
     Vec3 best = middle;
@@ -27,7 +27,7 @@ Hull hull_of(std::span<const Vec3> vertices) {
     const Vec3 point = best - middle;
     if (std::ranges::none_of(points, [&](const Vec3& p) { return p == point; })) points.push_back(point);
   }
-  return {collision::Shape::hull(points, 5e-4), middle, (high - low).cwiseMax(1e-3)};
+  return {collision::Shape::hull(points, 5e-4), middle, box.sizes().cwiseMax(1e-3)};
 }
 
 Hull hull_of(const collision::Tree& mesh) {
