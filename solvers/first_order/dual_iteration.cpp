@@ -11,6 +11,7 @@ namespace zwang {
 namespace {
 
 constexpr double affordable = 4;  // of the work so far: a look
+constexpr double widest = 8;      // motions that open rows by 1
 constexpr int first_look = 100;   // steps, ten times what one takes, where the iterate is not near enough before
 
 }  // namespace
@@ -25,6 +26,7 @@ bool DualIteration::begin(const Problem& problem, const SolveOptions& options, S
   program.motion(lambda, y);
   marked_.setZero(program.rows());
   prover_ = begin_prover(problem, options);
+  if (prover_ && repeats_equalities(program)) solution.error_bound = infinity, prover_ = nullptr;
   looks_ = prover_ && std::ranges::find(problem.kind, RowKind::equality) == problem.kind.end();
   last_left_ = std::numeric_limits<double>::infinity();
   solution.status = Status::iteration_limit;
@@ -61,9 +63,9 @@ bool DualIteration::step_done(double left) {
     options_->observe(solution_->iterations, solution_->z, solution_->lambda);
   }
   if (!prover_ || (looks_ && solution_->iterations < first_look && left > options_->accuracy)) return false;
-  const double own = price(), work = this->work();
-  const bool ends = looks_ && ends_before(own / work, left);
-  if (ends || own > affordable * work || !prover_->is_due(work, left, own)) return false;
+  const double own = price(), work = this->work(), all = looks_ && own == 0 ? outside() : own;
+  const bool ends = looks_ && ends_before(all / work, left);
+  if (ends || all > affordable * work || !prover_->is_due(work, left, own)) return false;
   if (own > 0) return holds(true);
   write();
   return prover_->holds(solution_->lambda, *solution_);
@@ -85,10 +87,10 @@ void DualIteration::end() {
 // Of holds(), in multiplications; 0 where Promise's look is the shorter one: many rows.
 double DualIteration::price() const {
   if (!looks_) return 0;
-  constexpr double sweeps = 40, pair = 4, lanes = 8, outside = 50000, entry = 100;
+  constexpr double sweeps = 40, pair = 4, lanes = 8;
   const auto k = static_cast<double>((lambda.array() > 0).count()), g = static_cast<double>(program.G.nonZeros());
   const double own = sweeps * g + k * k * (pair + k / (6 * lanes));
-  return own <= outside + entry * g ? own : 0;
+  return own <= outside() ? own : 0;
 }
 
 // To the nearest point of the rows that push, by a dense factor of their Delassus matrix. motion_ opens each by one.
@@ -143,9 +145,10 @@ bool DualIteration::holds(bool moves) {
   constexpr double eps = std::numeric_limits<double>::epsilon();
   const double length = near_y_.norm(), free = program.free.norm(), tied = program.factor.tied();
   const double size = std::max(free, length), rounding = eps * std::sqrt(tied) * size,
-               hidden = tolerances::rank * rounding;
-  double pulled = 0, missed = 0, open = infinity;
+               hidden = tolerances::rank * rounding, touching = tolerances::promise_touching * size;
+  double pulled = 0, missed = 0, open = infinity, opened = infinity;
   near_.clear();
+  near_.reserve(at(program.rows()));
   for (Index i = 0; i < program.rows(); ++i) {
     const double slack = program.dot(i, near_y_) - h[i];
     if (near_lambda_[i] == 0)
@@ -154,7 +157,8 @@ bool DualIteration::holds(bool moves) {
       missed = std::max(missed, std::abs(slack));
     pulled += std::max(0.0, -near_lambda_[i]);
     near_lambda_[i] = std::max(0.0, near_lambda_[i]);
-    near_.push_back({i, hidden - slack, hidden + slack, near_lambda_[i]});
+    near_.push_back({i, hidden - slack, hidden + slack, near_lambda_[i], slack + h[i]});
+    if (near_lambda_[i] > 0 || slack <= touching) opened = std::min(opened, slack + h[i]);
   }
   pulled += tolerances::rank * eps * near_lambda_.lpNorm<1>();
   // Rows that are clearly independent are met by a point that is nearer to y than others.
@@ -162,8 +166,9 @@ bool DualIteration::holds(bool moves) {
                across = tolerances::pivot_margin * rows / least_ * (tolerances::violation * rounding + missed);
   double bound = pulled + 2 * across;
   if (!(least_ * least_ > tolerances::clear_pivot && open > across + hidden)) {
-    open_all(program, near_, tolerances::promise_touching * size, motion_);
-    bound = bound_inside(near_, motion_.norm(), pulled, tolerances::violation * eps);
+    const bool opens = widest * opened > length;  // a body at rest by y itself
+    if (!opens) open_all(program, near_, touching, motion_);
+    bound = bound_inside(near_, opens ? length : motion_.norm(), pulled, tolerances::violation * eps);
   }
   bound += eps * std::max<double>(tolerances::rank, tolerances::violation * tied) * size;
   looks_ = bound < infinity;

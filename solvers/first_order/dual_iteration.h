@@ -37,6 +37,7 @@ class DualIteration {
     return 4.0 * solution_->iterations * static_cast<double>(program.G.nonZeros());
   }
   double price() const;
+  double outside() const { return 50000 + 100 * static_cast<double>(program.G.nonZeros()); }  // a look from there
   bool ends_before(double part, double left);
   bool holds(bool moves);
   bool move();

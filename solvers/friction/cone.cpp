@@ -30,6 +30,7 @@ void Cone::solve(const Problem& problem, const SolveOptions& options, Solution& 
   const auto one = [&](const Problem& p, const SolveOptions& o, Solution& part) {
     ++parts;
     works_.own(p.size(), p.rows()).solve(*this, p, o, part);
+    if (&p != &problem && p.has_tangents() && std::isinf(part.error_bound)) part.error_bound = Solution::unknown;
   };
   islands_.solve_apart(one, unit_of(problem), problem, options, solution);
   if (parts <= 1 || solution.status != Status::numerical_failure) return;
@@ -69,6 +70,7 @@ void Cone::Work::climb(const ConeStarts::Job& job) {
                     : deadline.passed()  ? Status::time_limit
                     : end == End::limit  ? Status::iteration_limit
                                          : Status::numerical_failure;
+  if (options.prover && end == End::accepted) starts_.judge(job);
   if (solution.status == Status::numerical_failure) {
     const double left = best.natural / starts_.program().scale(best.v);
     const char* const reason = left <= options.tolerance ? "the natural residual is %.1e of the motion, and proves no z"

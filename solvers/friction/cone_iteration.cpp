@@ -61,7 +61,10 @@ bool ConeIteration::step_done() {
 
 void ConeIteration::end() {
   if (!std::isnan(solution_->error_bound)) return;
-  if (std::isfinite(residual_)) return program.write(*problem_, v, y, *solution_);
+  if (std::isfinite(residual_)) {
+    program.write(*problem_, v, y, *solution_);
+    return promise_.judge(*problem_, *options_, *solution_);
+  }
   solution_->empty_z();
   solution_->empty_lambda();
 }

@@ -5,6 +5,8 @@
 #include <limits>
 #include <span>
 
+#include <zwang/solvers/form/bound_inside.h>
+
 namespace zwang {
 namespace {
 
@@ -147,6 +149,11 @@ void ConeProgram::fill_sparse(const Problem& p, const SolveOptions& options, con
     }
   }
   sparse_face_.reset(p, sparse_rows_, cones(), options, deadline);
+}
+
+bool ConeProgram::repeats_equalities() const {
+  if (form_ == Form::sparse) return zwang::repeats_equalities(unit_rows_, &unit_rows_.g);
+  return form_ == Form::whitened && zwang::repeats_equalities(whitened_);
 }
 
 bool ConeProgram::can_be_dense(const Problem& p) { return p.size() <= most_dense; }

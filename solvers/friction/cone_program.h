@@ -51,6 +51,7 @@ class ConeProgram {
   // mu where it is so far from 1 that the rows N / mu and T of a cone are of different sizes; else 1.
   double tilt(Index k) const { return mu(k) < 1 / tolerances::cone_far || mu(k) > tolerances::cone_far ? mu(k) : 1; }
   bool is_equality(Index ray) const { return equality_[at(ray)] != 0; }
+  bool repeats_equalities() const;
   Index source(Index r) const { return row_[at(r)].source; }  // the problem's; -1: a planar contact's second tangent
   const Vector& h() const { return h_; }
   ConeFace& face() { return is_dense() ? static_cast<ConeFace&>(dense_face_) : sparse_face_; }

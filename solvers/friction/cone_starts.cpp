@@ -201,7 +201,7 @@ ConeStarts::End ConeStarts::from_inside(const Job& job, double start, Way way) {
             (!program_.is_dense() || (program_.law().lifts() && promise_.keeps_modes(inside_.y, inside_.s))) &&
             inside_.gap() <= promising) {
           if (promise_.holds_at(inside_.y, solution)) return End::written;
-          promising = promising_from * inside_.gap();
+          promising = promising_from * (promise_.is_vain() ? promising_from : 1) * inside_.gap();
         }
         if (!program_.is_dense() && inside_.residual() <= options.tolerance * program_.scale(inside_.v) &&
             takes(job, program_.residual(inside_.y, inside_.s), inside_.v, inside_.y))

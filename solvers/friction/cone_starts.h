@@ -54,6 +54,11 @@ class ConeStarts {
   // load to and fro, and the motion stays.
   bool stands(const Job& job, bool at_last);
   bool promises(const Job& job) { return promise_.holds_at(job.best.y, job.solution); }
+  // Where that is not what was asked for.
+  void judge(const Job& job) {
+    if (!promise_.is_vain()) return promise_.judge(job.problem, job.options, job.solution);
+    job.solution.error_bound = infinity;
+  }
   Best best;
 
   End climb(const Job& job);  // from one start after the other, until one does not fail

@@ -114,6 +114,7 @@ void FixedPoint::solve(const Problem& p, const SolveOptions& options, Solution& 
     if (options.observe) options.observe(solution.iterations, answer.z, answer.lambda);
     if (accepted) {
       solution.status = Status::solved;
+      if (std::ranges::count(p.kind, RowKind::equality) == 0) promise.judge(p, options, solution);
       return;
     }
     warm.lambda = answer.lambda;

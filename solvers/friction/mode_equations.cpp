@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include <zwang/core/problem/mix_bits.h>
+#include <zwang/solvers/form/bound_inside.h>
 
 namespace zwang {
 
@@ -108,8 +109,6 @@ void ModeEquations::pull(const ConeProgram& program, const Vector& missed, Vecto
   force.tail(program.rays()) = ray_weight_.cwiseProduct(missed.tail(program.rays()));
 }
 
-// Of multipliers t := (I + S / softness)^-1 t that were drawn at random, p passes leave at least what they do of the
-// part along the shortest, which is taken to be promise_part of them or more: a choice, not a theorem.
 double ModeEquations::least_share(ConeProgram& program) {
   ConeFace& face = program.face();
   pulled_.setZero(program.rows());
@@ -118,22 +117,13 @@ double ModeEquations::least_share(ConeProgram& program) {
     ds[i] = program.source(i) >= 0 ? 0.5 + std::ldexp(static_cast<double>(bits >> 11), -53) : 0;
   }
   pull(program, ds, next);
-  const double start = next.norm(), vanished = tolerances::promise_vanished * start;
-  double before = infinity, length = start;
-  int pass = 0;
-  for (; pass < most_passes && length > vanished && !(length > 0.9 * before); ++pass) {
+  return zwang::least_share(next, softness, most_passes, [&] {
     face.force(next, dv);
     face.solve(dv);
     face.slack(dv, ds);
     pull(program, ds, pulled_);
     next -= pulled_;
-    before = length;
-    length = next.norm();
-  }
-  if (!(length <= vanished)) return 0;
-  if (length == 0) return 1;
-  const double kept = std::pow(length / (tolerances::promise_part * start), 1.0 / pass);
-  return std::sqrt(softness * std::clamp(1 / kept - 1, 1.0, 1 / softness));
+  });
 }
 
 bool ModeEquations::begin_change(ConeProgram& program, const Vector& y, const Vector& s, bool back) {

@@ -48,7 +48,7 @@ void Promise::begin(const Problem& problem, const SolveOptions& options, ConePro
   program_ = rows;
   modes_ = equations ? equations : &own_modes_;
   options_ = &options;
-  ready_ = failed_ = arrived_ = takes_any_ = false;
+  ready_ = failed_ = arrived_ = takes_any_ = hopeless_ = vain_ = false;
   spent_ = 0;
   if (!options.has_accuracy()) return;
   lightest_ = options.speed_accuracy > 0 ? lightest(problem) : 0;
@@ -89,6 +89,8 @@ bool Promise::prepare() {
     if (!own.build(*problem_, want, *options_, Deadline(options_->time_limit), scratch_)) return false;
     program_ = &own;
   }
+  hopeless_ = program_->repeats_equalities();
+  if (hopeless_) return false;
   const auto n = static_cast<double>(program_->face().unknowns()), m = static_cast<double>(program_->rows());
   constexpr double lanes = 4;  // multiplications of a dense factor at a time
   spent_ += price_;
@@ -129,9 +131,10 @@ void Promise::judge(const Problem& problem, const SolveOptions& options, Solutio
   const bool is_solved = solution.status == Status::solved || solution.status == Status::solved_ill_conditioned;
   if (!options.has_accuracy() || !is_solved) return;
   if (solution.lambda.size() != problem.rows() || solution.z.size() != problem.size()) return;
-  if (!ready_ || problem_ != &problem) begin(problem, options);
+  if (problem_ != &problem) begin(problem, options);
   takes_any_ = true;
-  failed_ = false;
+  failed_ = hopeless_;
+  solution.error_bound = options.prover ? infinity : Solution::unknown;
   if (!prepare()) return;
   program_->read(solution.lambda, y_);
   const Bound bound = look();
@@ -163,6 +166,7 @@ Promise::Bound Promise::look() {
   for (Index i = 0; i < h_.size(); ++i)
     if (s_[i] < 0 || y_[i] != 0) reach_ = std::max(reach_, std::abs(h_[i]));
   double before = infinity;
+  vain_ = true;
   for (int round = 0; round < most_rounds; ++round) {
     const bool others = modes_->choose(*program_, y_, s_);
     if (!(round == 0 ? modes_->has_factor(*program_) || factorize() : (others || modes_->slides()) && factorize()))
@@ -173,7 +177,8 @@ Promise::Bound Promise::look() {
     before = missed;
     if (!met || !distance()) continue;
     const double first = still + factor_rounding_ * size + far_from(2 * half_, gap_);
-    if (!(first <= enough(program_->least_motion(v_), program_->exponent()))) continue;
+    vain_ = first <= enough(program_->least_motion(v_), program_->exponent());
+    if (!vain_) continue;
     const double most = with_rounding(first, still, size), motion = program_->least_motion(v_) - most;
     if (!(most < infinity && (motion > 0 || most == 0))) break;
     return {most > 0 ? most / motion : 0, most <= enough(motion, program_->exponent())};
@@ -216,16 +221,22 @@ double Promise::with_rounding(double first, double still, double size) {
   const double touching = tolerances::promise_touching * size;
   double least = infinity;  // slack of those that carry no force
   bool changed = false;
+  Index held = 0;
   for (Index k = 0; k < program_->cones(); ++k) {
     Mode& mode = modes_->mode[at(k)];
     if (mode == Mode::open) least = std::min(least, opened(k));
     if (mode == Mode::slide && second_order_cone::tangential(&s_[3 * k]) <= touching)
       mode = Mode::stick, changed = true;
+    held += mode == Mode::open ? 0 : mode == Mode::slide ? 1 : program_->source(3 * k + 2) < 0 ? 2 : 3;
   }
-  for (Index r = 0; r < program_->rays(); ++r)
+  for (Index r = 0; r < program_->rays(); ++r) {
     if (!modes_->active[at(r)]) least = std::min(least, s_[3 * program_->cones() + r]);
-  if (changed && !factorize()) return infinity;
-  const double share = least > touching ? modes_->least_share(*program_) : 0;
+    held += modes_->active[at(r)];
+  }
+  if (changed) modes_->forget_factor();
+  const bool may_hold = least > touching && held <= v_.size();
+  if (may_hold && changed && !factorize()) return infinity;
+  const double share = may_hold ? modes_->least_share(*program_) : 0;
   constexpr double part = 1.0 * tolerances::violation / tolerances::rank;
   return share > 0 ? first + (modes_->missed(*program_, s_) + part * row_rounding_ * size) / share
                    : inside(still, size);
@@ -239,14 +250,17 @@ double Promise::inside(double still, double size) {
   const Index nc = program_->cones();
   const double near = tolerances::promise_near * size, rest = row_rounding_ * size;
   x_.setZero(program_->rows());  // what is to be opened, by how much
+  bool changed = false;
   for (Index k = 0; k < nc; ++k) {
     if (modes_->mode[at(k)] == Mode::open && opened(k) > near) continue;
+    changed = changed || modes_->mode[at(k)] != Mode::stick;
     modes_->mode[at(k)] = Mode::stick;
     x_[3 * k] = 1;
   }
   for (Index r = 0; r < program_->rays(); ++r) {
     if (program_->is_equality(r)) return infinity;
     if (!modes_->active[at(r)] && s_[3 * nc + r] > near) continue;
+    changed = changed || !modes_->active[at(r)];
     modes_->active[at(r)] = 1;
     x_[3 * nc + r] = 1;
   }
@@ -255,12 +269,17 @@ double Promise::inside(double still, double size) {
   const auto swap = [&] { v_.swap(w_), y_.swap(t_), h_.swap(x_); };
   swap();
   s_ = -h_;
-  const bool found = factorize() && settle() < infinity;
+  bool found = (!changed && modes_->has_factor(*program_)) || factorize();
+  // Near its aim is enough. (A look that decides an answer keeps to what it was, for the same bits.)
+  const bool is_asked = takes_any_ || options_->prover;
+  if (found && is_asked) linearize(false), modes_->step(*program_, v_, y_);
+  found = found && (is_asked || settle() < infinity);
   swap();
   if (!found) return infinity;
   program_->slack(v_, s_);
   face.slack(w_, ds_);
   near_.clear();
+  near_.reserve(at(nc + program_->rays() + 1));
   for (Index k = 0; k < nc; ++k) near_.push_back({k, rest - opened(k), 0, 0, second_order_cone::smallest(&ds_[3 * k])});
   for (Index i = 3 * nc; i < s_.size(); ++i) near_.push_back({i, rest - s_[i], 0, 0, ds_[i]});
   near_.push_back({-1, -infinity, gap_ + rest * y_.lpNorm<1>(), 1, std::max(0.0, y_.dot(ds_))});  // the work of all

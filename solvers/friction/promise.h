@@ -36,16 +36,18 @@ class Promise final : public Prover {
   bool holds(const Vector& lambda, Solution& solution) override;
   bool holds_at(const Vector& y, Solution& solution);  // of the multipliers of `rows`
   bool holds_at(const Vector& y);                      // and where: v(), y()
+  bool is_vain() const { return vain_; }
   const Vector& v() const { return v_; }
   const Vector& y() const { return y_; }
   // Has an iterate the modes of the one before? Else a look seldom holds, and costs more than a step on dense rows.
   bool keeps_modes(const Vector& y, const Vector& s) { return prepare() && !modes_->choose(*program_, y, s); }
-  void forget() { ready_ = false; }  // rows of an earlier solve: end() keeps those of this one
+  void forget() { problem_ = nullptr; }  // rows of an earlier solve: end() keeps those of this one
   // The answer stays as it is, but for the last digits under Coulomb's law: at another point the slips are others.
   void end(const Problem& problem, const SolveOptions& options, Solution& solution) override;
+  // The same but for z's own rounding. To state the rows takes as long as a look: a method that has them, asks here.
+  void judge(const Problem& problem, const SolveOptions& options, Solution& solution);
 
  private:
-  void judge(const Problem& problem, const SolveOptions& options, Solution& solution);
   using Mode = ConeLaw::Mode;
   struct Bound {
     double relative = infinity;  // to the motion
@@ -71,6 +73,7 @@ class Promise final : public Prover {
   ConeProgram* program_ = nullptr;
   ModeEquations own_modes_, *modes_ = nullptr;
   bool ready_ = false, failed_ = false, arrived_ = false, takes_any_ = false;
+  bool hopeless_ = false, vain_ = false;           // no look can hold; the last did not, whatever is asked for
   double factor_rounding_ = 0, row_rounding_ = 0;  // more where M ties unknowns to each other
   double spent_ = 0, price_ = 0, next_look_ = 0, lightest_ = 0;
   double half_ = 0, gap_ = 0;  // of the bound: |r| / 2, and the other terms

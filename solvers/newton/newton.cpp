@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <zwang/solvers/form/bound_inside.h>
 #include <zwang/solvers/solver_entry.h>
 
 namespace zwang {
@@ -10,6 +11,7 @@ namespace {
 
 constexpr Index largest_dense = 2000000;  // unknowns x rows for which the dense method is still a way out
 constexpr Index few_bodies = 24;          // unknowns: a look from outside is short, and its bound the nearer one
+constexpr Index body = 6;                 // entries of a column of M, at most: joints may leave few unknowns
 constexpr double promising_from = 0.01;   // of the motion, and of the last such: a step of d that asks the prover
 
 }  // namespace
@@ -21,6 +23,10 @@ void Newton::solve(const Problem& p, const SolveOptions& options, Solution& s) {
   const bool many = L_.unknowns() > tolerances::few_unknowns;
   L_.hold_penalty = many ? tolerances::newton_hold_many : tolerances::newton_hold;
   prover_ = begin_prover(p, options);
+  if (prover_ && repeats_equalities(L_.rows, &L_.rows.g)) s.error_bound = infinity, prover_ = nullptr;
+  polish_.asks = polish && prover_;
+  const bool joins = std::ranges::count(L_.rows.equality, 1) > 0;
+  looks_ = prover_ && (!polish || (joins && p.M.nonZeros() <= body * p.size()));
   polish_.alone = !dense || p.size() * L_.rows.rows() > largest_dense;
   if (L_.rests()) return L_.write_rest(s);
   using enum AugmentedLagrangian::Held;
@@ -33,7 +39,7 @@ void Newton::solve(const Problem& p, const SolveOptions& options, Solution& s) {
     all_but_known = end == NewtonStart::End::accepted;
   }
   const bool bounds = polish && prover_ && (L_.unknowns() > few_bodies || (L_.l.array() > 0).count() > L_.unknowns()) &&
-                      L_.rows.free_norm > 0 && std::ranges::count(L_.rows.equality, 1) == 0;
+                      L_.rows.free_norm > 0 && !joins;
   polish_.enough = bounds ? prover_->enough(L_.rows.free_norm, L_.rows.exponent) : 0;
   Status end = polish ? run(p, all_but_known, options, deadline, s) : run_alone(p, options, deadline, s);
   if (end == Status::solved || end == Status::infeasible) return;
@@ -77,7 +83,7 @@ Status Newton::run(const Problem& p, bool all_but_known, const SolveOptions& opt
   }
   for (const double close : tolerances::newton_close) {
     const Status end = descend(p, close, options, deadline, s);
-    if (end != Status::solved || !std::isnan(s.error_bound) || polish_.run(L_, options.tolerance, deadline, s))
+    if (end != Status::solved || std::isfinite(s.error_bound) || polish_.run(L_, options.tolerance, deadline, s))
       return end;
     if (polish_.doubtful) break;
   }
@@ -87,7 +93,7 @@ Status Newton::run(const Problem& p, bool all_but_known, const SolveOptions& opt
 Status Newton::run_alone(const Problem& p, const SolveOptions& options, const Deadline& deadline, Solution& s) {
   for (double close = options.tolerance; close > tolerances::newton_nothing && !deadline.passed(); close /= 10) {
     const Status end = descend(p, close, options, deadline, s);
-    if (end != Status::solved || !std::isnan(s.error_bound) || polish_.judge(L_, options.tolerance, deadline, s))
+    if (end != Status::solved || std::isfinite(s.error_bound) || polish_.judge(L_, options.tolerance, deadline, s))
       return end;
   }
   return Status::numerical_failure;
@@ -102,7 +108,7 @@ Status Newton::descend(const Problem& p, double close, const SolveOptions& optio
     if (const Status end = L_.minimize(last_move, options, deadline, s); end != Status::solved) return end;
     const double gain = L_.step_multipliers(), move = L_.distance(before_);
     if (last_move < infinity) L_.rate = last_move > 0 ? move / last_move : 0;
-    if (prover_ && polish_.enough == 0 && move <= promising * L_.scale) {
+    if (looks_ && move <= promising * L_.scale) {
       L_.write(L_.d, L_.l, s);
       if (prover_->holds(s.lambda, s)) return Status::solved;
       promising = promising_from * move / L_.scale;

@@ -57,7 +57,8 @@ struct Newton {
   AugmentedLagrangian L_;
   NewtonPolish polish_;
   Prover* prover_ = nullptr;
-  Vector before_;  // d before the inner problem
+  bool looks_ = false;  // on the way: elsewhere the polish has a bound of its own
+  Vector before_;       // d before the inner problem
 };
 static_assert(Solver<Newton>);
 

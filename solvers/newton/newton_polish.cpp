@@ -8,7 +8,7 @@
 namespace zwang {
 namespace {
 
-constexpr int most_passes = 40, most_let_go = 30;
+constexpr int most_passes = 40, most_let_go = 30, most_share_passes = 12;
 constexpr long double real_eps = std::numeric_limits<long double>::epsilon();
 
 }  // namespace
@@ -49,7 +49,10 @@ bool NewtonPolish::run(AugmentedLagrangian& L, double tolerance, const Deadline&
       const double mu = (1 / std::clamp(L.rate, tolerances::newton_least_rate, 1.0) - 1) / L.s;
       const double error = length + worst * L.scale / std::sqrt(std::max(mu, tolerances::newton_least_eigenvalue));
       const bool sure = reached || (let_go_of == 0 && error <= accepted_error(tolerance) * L.scale);
-      if (stops ? bound_ < infinity : !alone && bound_ <= enough) s.error_bound = bound_ / L.rows.free_norm;
+      if (stops ? bound_ < infinity : !alone && bound_ <= enough)
+        s.error_bound = bound_ / L.rows.free_norm;
+      else if (asks)
+        s.error_bound = bound_at(L);
       s.status = sure ? Status::solved : Status::solved_ill_conditioned;
       return true;
     }
@@ -163,6 +166,41 @@ double NewtonPolish::bound(AugmentedLagrangian& L) {
   }
   return bound_ = bound_inside(near_, open_length_, L.force_norm(step_)) +
                   (tolerances::rank * eps + tolerances::violation * real_eps * L.rows.factor.tied()) * L.scale;
+}
+
+// The error of d where the rows that are held are clearly independent and no other is touched: a point that meets all
+// is near.
+double NewtonPolish::bound_at(AugmentedLagrangian& L) {
+  constexpr double eps = std::numeric_limits<double>::epsilon();
+  double open = infinity, missed = 0;
+  step_ = d_.cast<double>();
+  const double length = L.mass_norm(step_);
+  step_ = force_.cast<double>();
+  unit_.setZero(L.rows.rows());
+  for (Index i = 0; i < unit_.size(); ++i) {
+    const double violation = static_cast<double>(violation_[i]), push = static_cast<double>(l_[i]);
+    const auto rounding = static_cast<double>(real_eps) * (L.rows.magnitude[i] + L.scale);
+    if (L.weight[i] == 0)
+      open = std::min(open, -violation);
+    else
+      missed = std::max(missed, std::abs(violation) + tolerances::wide_violation * rounding);
+    unit_[i] = L.weight[i] == 0 ? 0 : 1 + std::sin(static_cast<double>(i + 1)) / 2;
+    if (!L.is_equality(i) && push < 0) L.add(i, -push, step_);
+  }
+  if (!(open > tolerances::promise_touching * L.scale)) return std::numeric_limits<double>::quiet_NaN();
+  const double unbalanced = L.force_norm(step_);
+  const double share = least_share(unit_, 1 / L.s, most_share_passes, [&] {
+    step_.setZero();
+    for (Index i = 0; i < unit_.size(); ++i)
+      if (unit_[i] != 0) L.add(i, L.s * unit_[i], step_);
+    L.solve(step_);
+    for (Index i = 0; i < unit_.size(); ++i)
+      if (L.weight[i] != 0) unit_[i] -= L.dot(i, step_);
+  });
+  const double across = missed / share,
+               most = unbalanced + 2 * across +
+                      (tolerances::rank * eps + tolerances::violation * real_eps * L.rows.factor.tied()) * L.scale;
+  return across < open ? relative_bound(most, length, L.rows.free_norm) : std::numeric_limits<double>::quiet_NaN();
 }
 
 // Where rows nearly depend on each other, a violation that the widest scalar hides may be worth any motion, and the

@@ -18,6 +18,7 @@ class NewtonPolish {
   // The error that is enough, in the M-norm in the unit of L; 0: the least. Of many unknowns a bound so small ends
   // run(); of few one that is so small is said. Only where no row is an equality row.
   double enough = 0;
+  bool asks = false;      // for another bound, where that is none
   bool doubtful = false;  // run() has settled, but on rows which so nearly depend on each other that it may not be so
 
   // From the iterate of L, whose weights and rate it changes. False where it does not converge; on true the solution is
@@ -44,6 +45,7 @@ class NewtonPolish {
   double step(AugmentedLagrangian& L);
   void open(AugmentedLagrangian& L, bool equality, double turn = 0);
   double bound(AugmentedLagrangian& L);
+  double bound_at(AugmentedLagrangian& L);
   bool is_doubtful(AugmentedLagrangian& L);
   void contract(AugmentedLagrangian& L, RealVector& u);
 
