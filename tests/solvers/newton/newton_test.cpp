@@ -65,6 +65,25 @@ TEST(Newton, PromisesOfManyUnknownsAreKeptAndEndThePolish) {
   }
 }
 
+// By the factor at hand, also beside equality rows; where one of these repeats others there is no bound.
+TEST(Newton, BoundsAnswersOfIndependentRowsNearby) {
+  for (const char* scene : {"chain", "pile(spheres=6)"}) {
+    const Problem problem = make_scenes(scene).front().problem;
+    AnySolver newton = make_solver("newton"), exact = DualActiveSet();
+    const Solution s = newton.solve(problem, {.accuracy = 1e-4}), plain = solve(newton, problem);
+    ASSERT_EQ(s.status, Status::solved) << scene << ": " << s.message;
+    EXPECT_LE(s.error_bound, 1e-12) << scene;
+    EXPECT_LE(z_error(problem, s.z, solve(exact, problem).z), s.error_bound + 1e-15) << scene;
+    EXPECT_EQ(s.iterations, plain.iterations) << scene;
+  }
+  const Problem repeats = make_scenes("random").front().problem;
+  for (const char* name : {"newton", "pgs", "apgd", "cone"}) {
+    const Solution s = make_solver(name).solve(repeats, {.accuracy = 1e-4});
+    EXPECT_EQ(s.status, Status::solved) << name << ": " << s.message;
+    EXPECT_TRUE(std::isnan(s.error_bound)) << name;
+  }
+}
+
 // What is promised of a speed is returned relative to the motion, of which z_u is no measure here.
 TEST(Newton, PromisesOfASpeedHoldFromRest) {
   Problem problem = make_scenes("stack(boxes=60)").front().problem;
