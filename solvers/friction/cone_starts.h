@@ -56,8 +56,10 @@ class ConeStarts {
   bool promises(const Job& job) { return promise_.holds_at(job.best.y, job.solution); }
   // Where that is not what was asked for.
   void judge(const Job& job) {
-    if (!promise_.is_vain()) return promise_.judge(job.problem, job.options, job.solution);
-    job.solution.error_bound = infinity;
+    double& bound = job.solution.error_bound;
+    const bool is_vain = promise_.is_vain();
+    if (!is_vain) promise_.judge(job.problem, job.options, job.solution);
+    if (!std::isfinite(bound)) bound = is_vain ? infinity : Solution::unknown;  // the registry asks again
   }
   Best best;
 

@@ -177,12 +177,15 @@ Promise::Bound Promise::look() {
     before = missed;
     if (!met || !distance()) continue;
     const double first = still + factor_rounding_ * size + far_from(2 * half_, gap_);
-    vain_ = first <= enough(program_->least_motion(v_), program_->exponent());
-    if (!vain_) continue;
+    const bool is_near = first <= enough(program_->least_motion(v_), program_->exponent());
+    vain_ = vain_ && is_near;
+    if (!is_near) continue;
     const double most = with_rounding(first, still, size), motion = program_->least_motion(v_) - most;
     if (!(most < infinity && (motion > 0 || most == 0))) break;
+    vain_ = false;
     return {most > 0 ? most / motion : 0, most <= enough(motion, program_->exponent())};
   }
+  vain_ = vain_ && !modes_->slides();  // else another factor may lead there
   return {};
 }
 
