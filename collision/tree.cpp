@@ -23,9 +23,7 @@ float up(double x) { return -down(-x); }
 
 void build(const Mesh& mesh, Model& model) {
   // FCL's triangles hold size_t; it copies both lists.
-  std::vector<fcl::Triangle> triangles;
-  triangles.reserve(mesh.triangles.size());
-  for (const auto& t : mesh.triangles) triangles.emplace_back(t[0], t[1], t[2]);
+  const auto triangles = mapped(mesh.triangles, [](const auto& t) { return fcl::Triangle(t[0], t[1], t[2]); });
   model.beginModel(static_cast<int>(triangles.size()), static_cast<int>(mesh.vertices.size()));
   model.addSubModel(mesh.vertices, triangles);
   if (model.endModel() != fcl::BVH_OK) throw std::runtime_error("FCL could not build a tree");

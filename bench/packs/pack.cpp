@@ -85,9 +85,7 @@ Pack::Pack(std::filesystem::path directory) : directory_(std::move(directory)) {
 }
 
 std::vector<std::filesystem::path> Pack::files() const {
-  std::vector<std::filesystem::path> all;
-  for (const PackedProblem& p : problems_) all.push_back(directory_ / p.file);
-  return all;
+  return mapped(problems_, [&](const PackedProblem& p) { return directory_ / p.file; });
 }
 
 const PackedProblem* Pack::find(const std::string& sha256) const {

@@ -73,9 +73,7 @@ std::vector<WorstRow> worst_by_type(const Instance& instance, const Vector& z) {
     if (first || relative > it->second.relative)
       it->second = {type, violation, relative, row_name(instance, i), origin ? origin->unit : ""};
   }
-  std::vector<WorstRow> out;
-  for (auto& [type, row] : worst) out.push_back(std::move(row));
-  return out;
+  return mapped(worst, [](const auto& typed) { return typed.second; });
 }
 
 void judge(Result& r, const Instance& instance, const Solution& solution) {

@@ -54,11 +54,9 @@ SceneEntry entry_of(const nlohmann::json& j, Make make) {
 
 std::vector<SceneEntry>& catalog() {
   static std::vector<SceneEntry> all = [] {
-    std::vector<SceneEntry> entries;
     const std::map<std::string, Make> make = makers();
-    for (const nlohmann::json& j : nlohmann::json::parse(catalog_json()))
-      entries.push_back(entry_of(j, make.at(j.at("name"))));
-    return entries;
+    return mapped(nlohmann::json::parse(catalog_json()),
+                  [&](const nlohmann::json& j) { return entry_of(j, make.at(j.at("name"))); });
   }();
   return all;
 }

@@ -59,9 +59,7 @@ std::vector<int> share_budget(std::span<const double> seconds, double budget, in
     for (const double s : seconds) sum += s * affordable(s, share);
     (sum <= budget ? low : high) = share;
   }
-  std::vector<int> counts;
-  for (const double s : seconds) counts.push_back(affordable(s, low));
-  return counts;
+  return mapped(seconds, [&](double s) { return affordable(s, low); });
 }
 
 std::vector<Timed> time_batch(const Problem& problem, std::span<const Run> runs, const BatchLimits& limits,

@@ -131,9 +131,7 @@ std::vector<SequenceTimes> time_sequence(const Sequence& sequence, std::span<con
       runner.frame(sequence.frames[f], f % Sequence::check_every == 0, interrupted);
     }
   }
-  std::vector<SequenceTimes> all;
-  for (const Runner& runner : runners) all.push_back(runner.times(sequence.name));
-  return all;
+  return mapped(runners, [&](const Runner& runner) { return runner.times(sequence.name); });
 }
 
 }  // namespace zwang

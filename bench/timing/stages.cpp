@@ -76,9 +76,7 @@ std::vector<StageTimes> time_stages(const std::vector<Problem>& problems) {
   for (const Problem& p : problems) profiles.emplace_back(p);
   for (int k = 0; k < samples; ++k)
     for (Profile& profile : profiles) profile.sample();
-  std::vector<StageTimes> all;
-  for (const Profile& profile : profiles) all.push_back(profile.times());
-  return all;
+  return mapped(profiles, &Profile::times);
 }
 
 }  // namespace zwang

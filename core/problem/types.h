@@ -4,7 +4,11 @@
 #include <Eigen/SparseCore>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <limits>
+#include <numeric>
+#include <type_traits>
+#include <vector>
 
 // Matrices cross between the libraries and their host: both must lay them out, take and free their memory alike.
 #if EIGEN_MAX_ALIGN_BYTES != 16 || EIGEN_MALLOC_ALREADY_ALIGNED
@@ -34,6 +38,27 @@ using BodyId = int;
 inline constexpr double infinity = std::numeric_limits<double>::infinity();
 // An index into a standard container.
 constexpr std::size_t at(Index i) { return static_cast<std::size_t>(i); }
+// What f makes of each, in order: mapped(scene.bodies, &Body::pose).
+template <class Range, class F>
+auto mapped(const Range& range, const F& f) {
+  std::vector<std::decay_t<decltype(std::invoke(f, *std::begin(range)))>> all;
+  for (const auto& each : range) all.push_back(std::invoke(f, each));
+  return all;
+}
+// first, first + 1, ...
+template <class T>
+std::vector<T> numbers_from(T first, std::size_t count) {
+  std::vector<T> all(count);
+  std::iota(all.begin(), all.end(), first);
+  return all;
+}
+// Entries of one place sum.
+template <class Sparse>
+Sparse sparse_of(Index rows, Index columns, const std::vector<Eigen::Triplet<typename Sparse::Scalar>>& entries) {
+  Sparse A(rows, columns);
+  A.setFromTriplets(entries.begin(), entries.end());
+  return A;
+}
 
 // J z = c, J z >= c, or a direction of slip of the contact whose inequality row stands before it: 1 or 2 of them, in
 // the unit of that row, J z - c being the slip.

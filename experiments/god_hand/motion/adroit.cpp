@@ -37,8 +37,7 @@ constexpr double finger_bones[3] = {0.045, 0.025, 0.026}, thumb_bones[3] = {0.03
 }  // namespace
 
 Recording adroit_recording(const JointTable& table) {
-  std::vector<std::string> wanted;
-  for (const Limit& limit : limits) wanted.emplace_back(limit.name);
+  std::vector<std::string> wanted = names_of(limits, &Limit::name);
   wanted.insert(wanted.end(), std::begin(needed), std::end(needed));
   std::vector<std::string> known = wanted;
   known.emplace_back("step");

@@ -144,8 +144,7 @@ HandMotion plain_motion(const JointTable& table) {
 
   for (const std::string& prefix : prefixes) {
     Track track{.model = prefix == "left_" ? hand::mirrored(hand::standard()) : hand::standard()};
-    std::vector<std::size_t> at;
-    for (const std::string& name : of_hand) at.push_back(table.column(prefix + name));
+    const auto at = mapped(of_hand, [&](const std::string& name) { return table.column(prefix + name); });
     double sum = 0;
     for (const Timed& row : rows) {
       const auto value = [&](std::size_t k) { return (*row.values)[at[k]]; };
@@ -188,8 +187,7 @@ HandMotion plain_motion(const JointTable& table) {
     if (const double speed = usual_speed(track); speed > fastest)
       table.refuse("the palm goes at " + printed("%.3g", speed) +
                    " m/s and more in half of the rows; metres and seconds expected");
-    std::vector<Vec3> palms;
-    for (const Track::Key& key : track.keys) palms.push_back(key.target.palm.position);
+    const auto palms = mapped(track.keys, [](const Track::Key& key) { return key.target.palm.position; });
     if (const double distance = usual_place(palms).distance; distance > widest)
       table.refuse("the palm is " + printed("%.3g", distance) +
                    " m and more from its usual place in half of the rows; metres expected");

@@ -179,8 +179,7 @@ Model fit_model(const RecordedTrack& track) {
   const Measures pull = count * Measures(0.1, 0.1, 0.1, 1e-5, 1e-5);  // a radian counts as 3 mm
   std::array<Measures, 5> away;
   away.fill(Measures::Zero());
-  std::vector<Target> at;
-  for (const RecordedHand* h : hands) at.push_back(start_of(*h, offset));
+  std::vector<Target> at = mapped(hands, [&](const RecordedHand* h) { return start_of(*h, offset); });
   for (int iteration = 0; iteration < 12; ++iteration) {
     std::array<Mat<double, 5, 5>, 5> N;
     std::array<Measures, 5> g;

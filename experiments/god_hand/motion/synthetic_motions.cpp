@@ -242,9 +242,7 @@ constexpr Entry entries[] = {
 }  // namespace
 
 std::vector<std::pair<std::string, std::string>> synthetic_motions() {
-  std::vector<std::pair<std::string, std::string>> out;
-  for (const Entry& e : entries) out.emplace_back(e.name, e.line);
-  return out;
+  return mapped(entries, [](const Entry& e) { return std::pair<std::string, std::string>(e.name, e.line); });
 }
 
 bool names_file(const std::string& motion) {

@@ -133,9 +133,7 @@ Json poses_json(const std::vector<Frame>& frames) {
 Json numbers_json(const std::vector<Frame>& frames) {
   Json out;
   const auto add = [&](const std::string& key, const auto& of) {
-    std::vector<float> column;
-    for (const Frame& frame : frames) column.push_back(static_cast<float>(of(frame)));
-    out[key] = base64(column);
+    out[key] = base64(mapped(frames, [&](const Frame& frame) { return static_cast<float>(of(frame)); }));
   };
   for (const Column& column : columns()) add(column.key, [&](const Frame& f) { return column.of(f); });
   for (std::size_t k = 0; k < stage_names.size(); ++k)

@@ -91,8 +91,7 @@ Finished finish(const std::filesystem::path& directory, const Record& record, co
     gods.push_back({setup.tool->name, false, setup.tool->objects.shapes});
   else
     for (const hand::Model& model : models_of(setup.motion)) gods.push_back({"hand", model.left, hand::shapes(model)});
-  std::vector<std::vector<collision::Shape>> shapes;
-  for (const ShownGod& god : gods) shapes.push_back(god.shapes);
+  const auto shapes = mapped(gods, &ShownGod::shapes);
   const std::vector<MetPart> parts = met_parts(setup.surroundings);
   std::vector<Obstacle> obstacles;
   if (record.asked.audit)  // FCL's tree of a million triangles takes seconds

@@ -127,9 +127,7 @@ constexpr SceneEntry scene_entries[] = {
 }  // namespace
 
 std::vector<std::pair<std::string, std::string>> scenes() {
-  std::vector<std::pair<std::string, std::string>> out;
-  for (const SceneEntry& e : scene_entries) out.emplace_back(e.name, e.line);
-  return out;
+  return mapped(scene_entries, [](const SceneEntry& e) { return std::pair<std::string, std::string>(e.name, e.line); });
 }
 
 Surroundings make_surroundings(const std::string& scene, const fs::path& parts) {

@@ -15,9 +15,7 @@ std::vector<MetPart> met_parts(const Surroundings& surroundings) {
 }
 
 std::vector<Pose<double>> met_poses(std::span<const MetPart> parts, std::span<const Pose<double>> objects) {
-  std::vector<Pose<double>> poses;
-  for (const MetPart& part : parts) poses.push_back(placed(objects[part.object], part.at));
-  return poses;
+  return mapped(parts, [&](const MetPart& part) { return placed(objects[part.object], part.at); });
 }
 
 Scenery::Scenery(collision::World& world, const Surroundings& surroundings,

@@ -109,8 +109,7 @@ Tool::Drive drive_of(Scene& scene, const BodyTree& tree, const HingeDrive& hinge
 
 void complete(Tool& tool, const std::vector<HingeDrive>& hinges) {
   Scene& scene = tool.objects.scene;
-  std::vector<Pose<double>> poses;
-  for (const Body& body : scene.bodies) poses.push_back(body.pose);
+  std::vector<Pose<double>> poses = mapped(scene.bodies, &Body::pose);
   Skeleton(scene).close(poses, false);
   for (std::size_t b = 0; b < poses.size(); ++b) scene.bodies[b].pose = poses[b];
   const BodyTree tree(scene);

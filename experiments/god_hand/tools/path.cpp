@@ -19,8 +19,7 @@ std::optional<HandMotion> read_path(const std::filesystem::path& file, const Too
   std::array<std::size_t, 8> column;
   for (std::size_t k = 0; k < column.size(); ++k) column[k] = table.column(names[k]);
   const std::optional<std::size_t> close = table.find("close");
-  std::vector<std::optional<std::size_t>> hinges;
-  for (const Tool::Drive& drive : tool.drives) hinges.push_back(table.find(drive.name));
+  auto hinges = mapped(tool.drives, [&](const Tool::Drive& drive) { return table.find(drive.name); });
   if (std::ranges::none_of(hinges, [](const auto& column) { return column.has_value(); })) hinges.clear();
   HandMotion motion{.name = file.stem().string(), .hands = {Track{.model = hand::standard()}}};
   double last = -1e300, begin = 0;

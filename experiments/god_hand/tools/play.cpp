@@ -23,8 +23,7 @@ Simulation begun(const Surroundings& surroundings, const HandMotion& motion, con
   if (tool == nullptr) return {surroundings, models_of(motion), at, options};
   if (at.size() != 1) throw std::invalid_argument("a tool follows one hand, and the motion has two");
   // Every hinge as the tool is made: there it does not touch itself.
-  std::vector<Pose<double>> easy;
-  for (const Body& body : tool->objects.scene.bodies) easy.push_back(placed(at[0].palm, body.pose));
+  const auto easy = mapped(tool->objects.scene.bodies, [&](const Body& body) { return placed(at[0].palm, body.pose); });
   const std::vector<Pose<double>> poses = tool->poses(at[0]);
   std::vector<GodObjects> clusters = {tool->objects};
   Scene& scene = clusters[0].scene;
@@ -36,11 +35,7 @@ Simulation begun(const Surroundings& surroundings, const HandMotion& motion, con
 
 }  // namespace
 
-std::vector<hand::Model> models_of(const HandMotion& motion) {
-  std::vector<hand::Model> models;
-  for (const Track& track : motion.hands) models.push_back(track.model);
-  return models;
-}
+std::vector<hand::Model> models_of(const HandMotion& motion) { return mapped(motion.hands, &Track::model); }
 
 Play::Play(const Surroundings& surroundings, const HandMotion& motion, const Options& options, const Tool* tool)
     : motion_(motion),

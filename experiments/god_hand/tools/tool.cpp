@@ -99,8 +99,7 @@ Tool of_meshes(const std::string& files) {
 }  // namespace
 
 std::vector<Pose<double>> Tool::poses(const Target& target) const {
-  std::vector<Pose<double>> out;
-  for (const Body& body : objects.scene.bodies) out.push_back(body.pose);
+  std::vector<Pose<double>> out = mapped(objects.scene.bodies, &Body::pose);
   for (std::size_t d = 0; d < drives.size(); ++d) {
     const Drive& drive = drives[d];
     double angle = drive.scale * target.angles[closing];
@@ -116,9 +115,7 @@ std::vector<Pose<double>> Tool::poses(const Target& target) const {
 }
 
 std::vector<std::pair<std::string, std::string>> tools() {
-  std::vector<std::pair<std::string, std::string>> out;
-  for (const Entry& e : entries) out.emplace_back(e.name, e.line);
-  return out;
+  return mapped(entries, [](const Entry& e) { return std::pair<std::string, std::string>(e.name, e.line); });
 }
 
 Tool make_tool(const std::string& name) {
