@@ -58,8 +58,7 @@ class Model {
         mass.emplace_back(i, j, d.qM[at]);
         if (i != j) mass.emplace_back(j, i, d.qM[at]);
       }
-    p.M.resize(n, n);
-    p.M.setFromTriplets(mass.begin(), mass.end());
+    p.M = sparse_of<SparseMatrix>(n, n, mass);
     p.z_u = Eigen::Map<const Vector>(d.qacc_smooth, n);
     add_rows(out);
     if (!p.has_tangents()) out.recorded.push_back({.by = "mujoco", .z = Eigen::Map<const Vector>(d.qacc, n)});

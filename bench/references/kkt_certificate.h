@@ -54,8 +54,7 @@ class KktCertificate {
       for (Index k = 0; k < n; ++k)
         if (x[k] != 0) entries.emplace_back(k, i, x[k]);
     }
-    G_.resize(n, p.rows());
-    G_.setFromTriplets(entries.begin(), entries.end());
+    G_ = sparse_of<Eigen::SparseMatrix<Scalar>>(n, p.rows(), entries);
   }
 
   // "" where |z - z*|_M <= limit max(|z_u|_M, |z|_M) is proven, otherwise what is wrong, in a few words.
@@ -202,8 +201,7 @@ class KktCertificate {
       for (Index other = k; other < count; ++other)
         if (other == k || column[at(other)] != 0) gram.emplace_back(other, k, column[at(other)]);
     }
-    Eigen::SparseMatrix<Scalar> shifted(count, count);
-    shifted.setFromTriplets(gram.begin(), gram.end());
+    const auto shifted = sparse_of<Eigen::SparseMatrix<Scalar>>(count, count, gram);
     return Eigen::SimplicialLLT<Eigen::SparseMatrix<Scalar>>(shifted).info() == Eigen::Success;
   }
 

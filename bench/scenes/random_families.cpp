@@ -121,8 +121,7 @@ Instance random_rows(const Knobs& knobs) {
     mass.emplace_back(b, a, l * d);
     mass.emplace_back(a, b, l * d);
   }
-  p.M.resize(n, n);
-  p.M.setFromTriplets(mass.begin(), mass.end());
+  p.M = sparse_of<SparseMatrix>(n, n, mass);
   p.z_u = Vector::Zero(n);
 
   RowWriter J;

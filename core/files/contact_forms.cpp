@@ -115,9 +115,7 @@ SparseMatrix rows_in_use(const LocalForm& form, Index step) {
       add(equalities + it.row() / step, j, it.value());
       add(j, equalities + it.row() / step, it.value());
     }
-  SparseMatrix S(equalities + used, equalities + used);
-  S.setFromTriplets(entries.begin(), entries.end());
-  return S;
+  return sparse_of<SparseMatrix>(equalities + used, equalities + used, entries);
 }
 
 struct Factors {
@@ -169,8 +167,7 @@ Factors factor_blocks(const SparseMatrix& S, const Fail& fail) {
           entries.emplace_back(static_cast<int>(rank + r), static_cast<int>(block[at(k)]), factor.J(k, r));
     rank += factor.J.cols();
   }
-  out.J_transposed.resize(rank, S.cols());
-  out.J_transposed.setFromTriplets(entries.begin(), entries.end());
+  out.J_transposed = sparse_of<SparseMatrix>(rank, S.cols(), entries);
   return out;
 }
 

@@ -74,9 +74,7 @@ SparseMatrix read_sparse(const hdf5::Group& group, Index rows, Index cols, Stora
   } else {
     for (std::size_t k = 0; k < count; ++k) add(in_range("p", k, p[k], outer), k);
   }
-  SparseMatrix A(rows, cols);
-  A.setFromTriplets(entries.begin(), entries.end());
-  return A;
+  return sparse_of<SparseMatrix>(rows, cols, entries);
 }
 
 }  // namespace zwang

@@ -172,9 +172,7 @@ SparseMatrix read_matrix(Words& words, const std::string& name) {
   const Entries entries = storage == 0   ? read_dense(words, rows, columns, entry)
                           : storage == 1 ? read_blocks(words, rows, columns, entry)
                                          : read_sparse_text(words, rows, columns, entry);
-  SparseMatrix matrix(rows, columns);
-  matrix.setFromTriplets(entries.begin(), entries.end());
-  return matrix;
+  return sparse_of<SparseMatrix>(rows, columns, entries);
 }
 
 Vector read_mu(Words& words, Index contacts) {

@@ -40,8 +40,7 @@ class RowWriter {
     p.key = key_;
     p.c = Eigen::Map<const Vector>(c_.data(), rows());
     if (std::ranges::find(kind_, RowKind::tangent) != kind_.end()) p.mu = Eigen::Map<const Vector>(mu_.data(), rows());
-    p.J.resize(rows(), p.size());
-    p.J.setFromTriplets(entries_.begin(), entries_.end());
+    p.J = sparse_of<RowMatrix>(rows(), p.size(), entries_);
   }
 
  private:

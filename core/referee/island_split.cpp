@@ -40,8 +40,7 @@ void fill(const Problem& p, const std::vector<Index>& place, IslandPart& island)
   for (const Index j : island.columns)
     for (SparseMatrix::InnerIterator it(p.M, j); it; ++it)
       if (it.value() != 0) entries.emplace_back(local(it.row()), local(j), it.value());
-  out.M.resize(size, size);
-  out.M.setFromTriplets(entries.begin(), entries.end());
+  out.M = sparse_of<SparseMatrix>(size, size, entries);
   entries.clear();
   for (Index k = 0; k < rows; ++k) {
     const Index i = island.rows[at(k)];
@@ -49,8 +48,7 @@ void fill(const Problem& p, const std::vector<Index>& place, IslandPart& island)
     for (RowMatrix::InnerIterator it(p.J, i); it; ++it)
       if (it.value() != 0) entries.emplace_back(static_cast<int>(k), local(it.col()), it.value());
   }
-  out.J.resize(rows, size);
-  out.J.setFromTriplets(entries.begin(), entries.end());
+  out.J = sparse_of<RowMatrix>(rows, size, entries);
   out.key.resize(out.kind.size());
 }
 

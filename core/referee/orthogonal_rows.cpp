@@ -41,8 +41,7 @@ double OrthogonalRows::sigma_min_in(const ScaledProblem& scaled, const std::vect
     for (RowMatrix::InnerIterator it(scaled.J, rows[at(k)]); it; ++it)
       entries.emplace_back(static_cast<int>(k), static_cast<int>(it.col()),
                            S(it.value()) / S(scaled.row_norm[it.row()]));
-  Eigen::SparseMatrix<S, Eigen::RowMajor> J(rank_, scaled.size());
-  J.setFromTriplets(entries.begin(), entries.end());
+  const auto J = sparse_of<Eigen::SparseMatrix<S, Eigen::RowMajor>>(rank_, scaled.size(), entries);
   // R^-T by forward substitution: J X - I is R' R^-T - I, and small where R' comes first.
   const MatrixX<S> lower = triangle(rank_).template cast<S>().transpose();
   const MatrixX<S> inverse = lower.template triangularView<Eigen::Lower>().solve(MatrixX<S>::Identity(rank_, rank_));

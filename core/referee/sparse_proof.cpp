@@ -49,8 +49,7 @@ class SparseProof {
     for (std::size_t k = 0; k < listed.size(); ++k)
       for (RowMatrix::InnerIterator it(scaled_.J, listed[k]); it; ++it)
         entries.emplace_back(static_cast<int>(k), static_cast<int>(it.col()), it.value() / scaled_.row_norm[listed[k]]);
-    SparseMatrix G(static_cast<Index>(listed.size()), scaled_.size());
-    G.setFromTriplets(entries.begin(), entries.end());
+    const auto G = sparse_of<SparseMatrix>(std::ssize(listed), scaled_.size(), entries);
     const SparseMatrix weighted = scaled_.M + penalty * SparseMatrix(G.transpose() * G);
     factor.analyzePattern(weighted);
     if (!(factor.products() <= referee::sparse_products)) return false;

@@ -46,8 +46,7 @@ bool CoupledSum::factorize(int unknowns, const std::vector<MatrixEntry>& mass, c
     for_each_term(mass, rows, place, D, ray_weight,
                   [&](int row, int column, double) { all.emplace_back(row, column); });
     for (int j = 0; j < unknowns; ++j) all.emplace_back(j, j);
-    sum_.resize(unknowns, unknowns);
-    sum_.setFromTriplets(all.begin(), all.end());
+    sum_ = sparse_of<SparseMatrix>(unknowns, unknowns, all);
     entry_.clear();
     const int *start = sum_.outerIndexPtr(), *index = sum_.innerIndexPtr();
     for_each_term(mass, rows, place, D, ray_weight, [&](int row, int column, double) {

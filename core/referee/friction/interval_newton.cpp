@@ -361,10 +361,8 @@ class Krawczyk {
       }
     }
     if (!exact) return false;
-    RowMatrix equations(static_cast<Index>(right.size()), with_forces ? unknowns : n);
-    equations.setFromTriplets(entries.begin(), entries.end());
-    std::vector<Index> rows(right.size());
-    std::iota(rows.begin(), rows.end(), Index{0});
+    const auto equations = sparse_of<RowMatrix>(std::ssize(right), with_forces ? unknowns : n, entries);
+    const std::vector<Index> rows = numbers_from(Index{0}, right.size());
     const std::span all(rows);
     return exact_consistency(equations, Eigen::Map<const Vector>(right.data(), std::ssize(right)), all.first(basis),
                              all.subspan(basis)) == Consistency::consistent;
