@@ -82,8 +82,6 @@ std::vector<Primitive> primitives(const Shape& shape) {
   return out;
 }
 
-Pose<double> times(const Pose<double>& a, const Pose<double>& b) { return {a * b.position, a.rotation * b.rotation}; }
-
 bool collide(const fcl::CollisionGeometry<double>& a, const Pose<double>& of_a, const fcl::CollisionGeometry<double>& b,
              const Pose<double>& of_b) {
   fcl::CollisionRequest<double> request;
@@ -131,7 +129,7 @@ bool Witness::overlaps(const Shape& shape, const Pose<double>& pose, std::size_t
   if ((local.array() + reach < box.min().array()).any() || (local.array() - reach > box.max().array()).any())
     return false;
   return std::ranges::any_of(models_->of(shape), [&](const Primitive& primitive) {
-    return collide(*models_->all[mesh], of_mesh, *primitive.geometry, times(pose, primitive.place));
+    return collide(*models_->all[mesh], of_mesh, *primitive.geometry, placed(pose, primitive.place));
   });
 }
 
@@ -141,7 +139,7 @@ bool Witness::overlaps(const Shape& shape, const Pose<double>& pose, const Shape
   if ((pose.position - of_other.position).squaredNorm() > reach * reach) return false;
   for (const Primitive& a : models_->of(shape))
     for (const Primitive& b : models_->of(other))
-      if (collide(*b.geometry, times(of_other, b.place), *a.geometry, times(pose, a.place))) return true;
+      if (collide(*b.geometry, placed(of_other, b.place), *a.geometry, placed(pose, a.place))) return true;
   return false;
 }
 
@@ -155,7 +153,7 @@ double Witness::advance(const Shape& shape, const Pose<double>& pose, const Vec<
   double s = 0;
   for (int step = 0; step < 1000; ++step) {
     fcl::DistanceResult<double> result;
-    const Pose<double> here = times(retract(pose, Vec<double, 6>(s * twist)), primitive.place);
+    const Pose<double> here = placed(retract(pose, Vec<double, 6>(s * twist)), primitive.place);
     const double d = fcl::distance(models_->all[mesh].get(), Transform::Identity(), primitive.geometry.get(),
                                    transform(here), request, result);
     if (d <= stop) return s;

@@ -25,6 +25,11 @@ struct Pose {
   }
 };
 
+// A part's pose, given in the axes of what it is `on`, in the world.
+inline Pose<double> placed(const Pose<double>& on, const Pose<double>& part) {
+  return {on * part.position, on.rotation * part.rotation};
+}
+
 // skew(a) * b = a x b.
 template <class T>
 Mat<T, 3, 3> skew(const Vec<T, 3>& a) {

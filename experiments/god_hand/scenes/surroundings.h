@@ -51,11 +51,6 @@ struct Surroundings {
 std::vector<MetPart> met_parts(const Surroundings& surroundings);
 std::vector<Pose<double>> met_poses(std::span<const MetPart> parts, std::span<const Pose<double>> objects);
 
-// A part's pose, given in the axes of what it is `on`, in the world.
-inline Pose<double> placed(const Pose<double>& on, const Pose<double>& part) {
-  return {on * part.position, on.rotation * part.rotation};
-}
-
 // m, from the origin of a shape to its farthest point.
 inline double reach_of(const collision::Shape& shape) { return shape.reach() + shape.radius(); }
 
