@@ -30,11 +30,10 @@ StoredTruth check_stored(const Problem& problem, const Reference& reference) {
   const double stated = reference.bound + referee::rounded_once;
   if (!bad_input(problem).empty()) return {Standing::refuted};
   if (problem.has_tangents()) {
-    Solution stored;
-    stored.status = reference.feasible ? Status::solved : Status::infeasible;
-    stored.z = reference.z;
-    stored.lambda = reference.lambda;
-    stored.certificate = reference.certificate;
+    const Solution stored{.status = reference.feasible ? Status::solved : Status::infeasible,
+                          .z = reference.z,
+                          .lambda = reference.lambda,
+                          .certificate = reference.certificate};
     const Metrics m = measure(problem, stored, nullptr, std::max(reference.bound, referee::rounded_once));
     if (m.verdict == Verdict::wrong) return {Standing::refuted};
     if (m.verdict == Verdict::infeasible_proven) return {Standing::certified};

@@ -38,10 +38,7 @@ Judgement judge(const Instance& instance, const Vector& z, const Vector& lambda,
     throw std::invalid_argument(std::string(variable) + " should have " + std::to_string(p.size()) +
                                 " entries and its multipliers " + std::to_string(p.rows()) + " or none; they have " +
                                 std::to_string(z.size()) + " and " + std::to_string(lambda.size()));
-  Solution solution;
-  solution.status = Status::solved;
-  solution.z = z;
-  solution.lambda = lambda;
+  const Solution solution{.status = Status::solved, .z = z, .lambda = lambda};
   const FoundReference truth = reference_for(instance, cache);
   Judgement out;
   out.metrics = measure(p, solution, truth.reference ? &*truth.reference : nullptr, tolerance);
@@ -89,9 +86,7 @@ Judgement judge(const Instance& instance, const Vector& z, const Vector& lambda,
 }  // namespace
 
 Judgement judge_infeasible(const Instance& instance, const Vector& certificate, const std::filesystem::path& cache) {
-  Solution solution;
-  solution.status = Status::infeasible;
-  solution.certificate = certificate;
+  const Solution solution{.status = Status::infeasible, .certificate = certificate};
   const FoundReference truth = reference_for(instance, cache);
   Judgement out;
   out.metrics = measure(instance.problem, solution, truth.reference ? &*truth.reference : nullptr, 0);

@@ -98,10 +98,7 @@ void judge(Result& r, const Instance& instance, const Solution& solution) {
 Result judge_recorded(Result r, const Instance& instance, const RecordedAnswer& answer, double tolerance) {
   r.solver = std::string(Result::recorded) + answer.by;
   r.tolerance = tolerance;
-  Solution given;
-  given.status = Status::solved;
-  given.z = answer.z;
-  judge(r, instance, given);
+  judge(r, instance, {.status = Status::solved, .z = answer.z});
   r.claimed = Status::unsolved;
   return r;
 }

@@ -71,10 +71,7 @@ Pose<T> retract(const Pose<T>& q, const Vec<T, 6>& step) {
   const T v = small ? T(0.5) : T(T(2) * sin_half * sin_half / angle2);
   const Mat<T, 3, 3> W = skew(w);
   const Mat<T, 3, 3> R = Mat<T, 3, 3>::Identity() + W * s + W * W * v;
-  Pose<T> out;
-  out.position = q.position + step.template head<3>();
-  out.rotation = R * q.rotation;
-  return out;
+  return {q.position + step.template head<3>(), R * q.rotation};
 }
 
 // The rotation vector of R, of length at most pi: R = exp([w]x). By way of the quaternion, with its largest component

@@ -43,9 +43,8 @@ void change_free_motion(const SceneStep& step, const SceneChange& change, Proble
     const Mat3& R = body.pose.rotation;
     if (step.options.mode == Mode::quasi_static) {
       const Pose<moving::Number> from = moving::pose(body.pose, d.pose);
-      Pose<moving::Number> to;
-      to.rotation = step.target[b].rotation.cast<moving::Number>();
-      to.position = step.target[b].position.cast<moving::Number>();
+      const Pose<moving::Number> to{step.target[b].position.cast<moving::Number>(),
+                                    step.target[b].rotation.cast<moving::Number>()};
       const Vec<moving::Number, 6> twist = twist_between(from, to);
       for (int k = 0; k < 6; ++k) out[k] = step.k_s * twist[k].derivatives()[0];
       continue;
