@@ -59,9 +59,7 @@ struct JointLimit {
     Vec3 turning = n;
     if (square > 0) turning = (cosine * to.cross(across) - sine * to.cross(from)) / square;
     turning *= static_cast<int>(side);
-    Mat<double, 1, 12> J;
-    J << 0, 0, 0, -turning.transpose(), 0, 0, 0, turning.transpose();
-    return J;
+    return (Mat<double, 1, 12>() << 0, 0, 0, -turning.transpose(), 0, 0, 0, turning.transpose()).finished();
   }
 
  private:

@@ -51,11 +51,9 @@ hand::Angles draw_angles(int violated, Draw& draw) {
 // Moves every phalanx by up to `distance` [m] and turns it by what moves its ends as far.
 void disturb(hand::Poses& poses, double distance, Draw& draw) {
   for (int b = 1; b < hand::bodies; ++b) {
-    Vec<double, 6> twist;
-    twist.head<3>() = draw.cube(distance);
-    twist.tail<3>() = draw.cube(distance / (hand::phalanx(b).length / 2));
+    const Vec3 way = draw.cube(distance), turn = draw.cube(distance / (hand::phalanx(b).length / 2));
     Pose<double>& pose = poses[at(b)];
-    pose = retract(pose, twist);
+    pose = retract(pose, (Vec<double, 6>() << way, turn).finished());
   }
 }
 

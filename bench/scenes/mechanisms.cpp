@@ -11,9 +11,7 @@ namespace zwang {
 namespace {
 
 Vec<double, 6> random_velocity(double linear, double angular, Draw& draw) {
-  Vec<double, 6> y;
-  y << draw.cube(linear), draw.cube(angular);
-  return y;
+  return (Vec<double, 6>() << draw.cube(linear), draw.cube(angular)).finished();
 }
 
 }  // namespace

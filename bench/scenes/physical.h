@@ -15,9 +15,7 @@ inline const Vec3 gravity{0, 0, -9.8125};  // m/s^2
 
 // A rotation by a vector [rad].
 inline Mat3 rotation(const Vec3& w) {
-  Vec<double, 6> twist;
-  twist << Vec3::Zero(), w;
-  return retract(Pose<double>{}, twist).rotation;
+  return retract(Pose<double>{}, (Vec<double, 6>() << Vec3::Zero(), w).finished()).rotation;
 }
 
 // A solid box (full widths, m) of a mass [kg].

@@ -33,9 +33,7 @@ inline Pose<double> placed(const Pose<double>& on, const Pose<double>& part) {
 // skew(a) * b = a x b.
 template <class T>
 Mat<T, 3, 3> skew(const Vec<T, 3>& a) {
-  Mat<T, 3, 3> S;
-  S << T(0), -a.z(), a.y(), a.z(), T(0), -a.x(), -a.y(), a.x(), T(0);
-  return S;
+  return (Mat<T, 3, 3>() << T(0), -a.z(), a.y(), a.z(), T(0), -a.x(), -a.y(), a.x(), T(0)).finished();
 }
 
 // A scalar that carries N derivatives, numbers of type S each.
@@ -103,10 +101,8 @@ Vec<T, 3> rotation_vector(const Mat<T, 3, 3>& R) {
 // The twist that takes one pose to another: retract(from, twist_between(from, to)) = to.
 template <class T>
 Vec<T, 6> twist_between(const Pose<T>& from, const Pose<T>& to) {
-  Vec<T, 6> twist;
-  twist.template head<3>() = to.position - from.position;
-  twist.template tail<3>() = rotation_vector<T>(to.rotation * from.rotation.transpose());
-  return twist;
+  const Vec<T, 3> turn = rotation_vector<T>(to.rotation * from.rotation.transpose());
+  return (Vec<T, 6>() << to.position - from.position, turn).finished();
 }
 
 }  // namespace zwang

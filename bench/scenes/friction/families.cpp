@@ -89,11 +89,10 @@ Mat3 integer_frame(Draw& draw) {
     y = draw.integer(-2, 2);
     z = draw.integer(-2, 2);
   }
-  Mat3 R;
-  R << w * w + x * x - y * y - z * z, 2 * (x * y - w * z), 2 * (x * z + w * y),  //
-      2 * (x * y + w * z), w * w - x * x + y * y - z * z, 2 * (y * z - w * x),   //
-      2 * (x * z - w * y), 2 * (y * z + w * x), w * w - x * x - y * y + z * z;
-  return R;
+  return (Mat3() << w * w + x * x - y * y - z * z, 2 * (x * y - w * z), 2 * (x * z + w * y),  //
+          2 * (x * y + w * z), w * w - x * x + y * y - z * z, 2 * (y * z - w * x),            //
+          2 * (x * z - w * y), 2 * (y * z + w * x), w * w - x * x - y * y + z * z)
+      .finished();
 }
 
 // A stack of boxes whose corner contacts are repeated `copies` times.

@@ -67,9 +67,7 @@ class Program {
     const Vec3 across = worth - c.along.dot(worth) * c.along;
     const double size = across.norm();
     const Vec3 force = c.along + (size > 0 ? Vec3(mu_ / size * across) : Vec3::Zero());
-    Vec7 ray;
-    ray << force, c.point.cross(force) / lever_, 1;
-    return ray;
+    return (Vec7() << force, c.point.cross(force) / lever_, 1).finished();
   }
 
   std::span<const Holding> contacts_;

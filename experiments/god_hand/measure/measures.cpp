@@ -160,10 +160,8 @@ void Measures::measure_depth(std::span<const Pose<double>> objects, Frame& frame
     for (std::size_t b = h * hand.size(); b < (h + 1) * hand.size() && !frame.behind; ++b) {
       const Vec3 from = frame.god[b].position, way = frame.target[b].position - from;
       if (way.norm() < reached) continue;
-      Vec<double, 6> twist;
-      twist << way, Vec3::Zero();
       sight_.place(0, {from, Mat3::Identity()});
-      const collision::Move move{0, twist};
+      const collision::Move move{0, (Vec<double, 6>() << way, Vec3::Zero()).finished()};
       frame.behind = sight_.time_of_contact(std::span(&move, 1)).time < 1;
     }
   }

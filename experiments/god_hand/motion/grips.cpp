@@ -42,8 +42,7 @@ struct Grip {
   // The pads on planes that are so far apart [m].
   Target at(double apart, const Vec3& by = Vec3::Zero()) const {
     Target near;
-    Vec<double, 6> palm;
-    palm << 0.0169, -0.0324, 0.0983, -0.483, -0.146, -1.028;  // bones upright beside a box of 70 mm
+    const Vec<double, 6> palm{0.0169, -0.0324, 0.0983, -0.483, -0.146, -1.028};  // bones upright beside a box of 70 mm
     near.palm = retract(Pose<double>{}, palm);
     near.angles = {0, 0.845, 0.4, 0, 1.253, 0.25, 0, 0};
     const Pad pads[] = {{index_tip, apart / 2 * Vec3::UnitX(), -Vec3::UnitX()},

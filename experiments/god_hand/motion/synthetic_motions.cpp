@@ -205,8 +205,7 @@ std::vector<Track> unlock(const Site& s) {
 std::vector<Track> push(const Site& s) {
   const auto box = std::ranges::find_if(s.about.objects, &Object::loose);
   if (box == s.about.objects.end()) throw std::invalid_argument(s.about.name + " has no loose object to push");
-  Mat3 upright;
-  upright << 0, 0, -1, -1, 0, 0, 0, 1, 0;
+  const Mat3 upright{{0, 0, -1}, {-1, 0, 0}, {0, 1, 0}};
   const Vec3 start = box->pose.position - Vec3(0.06 + 0.014 + box->pieces[0].shape.half().x(), 0, 0);
   constexpr double speed = 0.4, way = 0.25;
   Track track{.model = hand::standard(), .patience = 1};

@@ -24,9 +24,7 @@ Site::Site(const Surroundings& surroundings) : about(surroundings), depth(surrou
 }
 
 Mat3 Site::axes(const Vec3& fingers, const Vec3& back) {
-  Mat3 R;
-  R << fingers.cross(back), fingers, back;
-  return R;
+  return (Mat3() << fingers.cross(back), fingers, back).finished();
 }
 
 Pose<double> Site::flat(double height, double forth, double sideways) const {

@@ -90,8 +90,7 @@ bool Grasp::solve(const Cluster& cluster, std::span<const Vec<double, 6>> target
                       ((1 + damper) * dt * dt));
   let_go();
   free_objects(cluster, physics, others);
-  z_u_.resize(6 * static_cast<Index>(wanted_.size()));
-  for (std::size_t k = 0; k < wanted_.size(); ++k) z_u_.segment<6>(6 * static_cast<Index>(k)) = wanted_[k];
+  z_u_ = Eigen::Map<const Vector>(wanted_.data()->data(), 6 * std::ssize(wanted_));
 
   auto& [assembler, solver, problem, solution] = grip_;
   assembler.assemble(scene_, z_u_, {.dt = dt}, problem);

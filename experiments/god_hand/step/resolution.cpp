@@ -127,9 +127,8 @@ void Resolution::project(const Touch& touch, double amount) {
         straight += turn.dot(l.turn) * (1 - 0.2 / angle);
         turn *= 0.2 / angle;
       }
-      Vec<double, 6> twist;
-      twist << sign * straight * touch.normal, turn;
-      l.loose->pose = retract(l.loose->pose, twist);
+      const Vec3 way = sign * straight * touch.normal;
+      l.loose->pose = retract(l.loose->pose, (Vec<double, 6>() << way, turn).finished());
       l.loose->moved = true;
       place(all_, *l.loose);
     }

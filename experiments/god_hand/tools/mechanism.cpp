@@ -34,9 +34,7 @@ Mat3 palm_axes(const std::string& name, const std::string& text) {
     throw std::invalid_argument("--god " + name + ": '" + text +
                                 "' should name the two axes of the file that go along the fingers and out of the back "
                                 "of the hand, as @x-z does");
-  Mat3 rows;
-  rows << axes[0].cross(axes[1]).transpose(), axes[0].transpose(), axes[1].transpose();
-  return rows;
+  return (Mat3() << axes[0].cross(axes[1]).transpose(), axes[0].transpose(), axes[1].transpose()).finished();
 }
 
 // The tree of a tool's bodies.

@@ -230,8 +230,7 @@ class FromModel {
         return {Shape::sphere(size.x()), pose, Vec3::Constant(2 * size.x()),
                 4 * pi / 3 * size.x() * size.x() * size.x()};
       case mjGEOM_CAPSULE: {
-        Mat3 y_to_z;
-        y_to_z << 1, 0, 0, 0, 0, -1, 0, 1, 0;
+        const Mat3 y_to_z{{1, 0, 0}, {0, 0, -1}, {0, 1, 0}};
         pose.rotation = pose.rotation * y_to_z;
         const double r = size.x(), l = 2 * size.y();
         return {Shape::capsule(l, r), pose, {2 * r, l + 2 * r, 2 * r}, pi * r * r * (l + 4 * r / 3)};
