@@ -2,8 +2,6 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <limits>
-#include <numeric>
 #include <span>
 
 namespace zwang::collision {
@@ -11,8 +9,7 @@ namespace zwang::collision {
 Halves::Halves(const Mesh& mesh) {
   std::vector<Vec3> centre;  // times 3
   for (const auto& [a, b, c] : mesh.triangles) centre.push_back(mesh.vertices[a] + mesh.vertices[b] + mesh.vertices[c]);
-  std::vector<int> order(mesh.triangles.size());
-  std::iota(order.begin(), order.end(), 0);
+  std::vector<int> order = numbers_from(0, mesh.triangles.size());
   nodes_.reserve(2 * order.size());
   nodes_.push_back({});
   struct Open {

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <numeric>
 
 #include <zwang/bench/scenes/families.h>
 #include <zwang/bench/scenes/friction/friction.h>
@@ -34,8 +33,7 @@ void shuffle(std::vector<T>& items, Draw& draw) {
 // Angles within the middle of their ranges, but `violated` of them 2 to 4 degrees beyond a bound.
 hand::Angles draw_angles(int violated, Draw& draw) {
   hand::Angles angles;
-  std::vector<int> order(hand::angles);
-  std::iota(order.begin(), order.end(), 0);
+  std::vector<int> order = numbers_from(0, hand::angles);
   shuffle(order, draw);
   for (int k = 0; k < hand::angles; ++k) {
     const int angle = order[at(k)];
@@ -85,8 +83,7 @@ PressedHand press(const Vec3& place, const Knobs& knobs, bool feasible, Draw& dr
       {place + into_wall + draw.cube(0.005), palm.rotation * rotation(draw.cube(0.1))}, angles);
   disturb(out.target, 0.002, draw);
 
-  std::vector<int> order(hand::bodies - 1);
-  std::iota(order.begin(), order.end(), 1);
+  std::vector<int> order = numbers_from(1, hand::bodies - 1);
   shuffle(order, draw);
   const int touched = std::min(hand::bodies - 1, (contacts + 3) / 4);
   std::array<Vec3, hand::bodies> face;  // normals in phalanx axes, out of the wall

@@ -3,7 +3,6 @@
 #include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <random>
 #include <stdexcept>
 
@@ -18,8 +17,7 @@ namespace {
 // exactly. (Rounding J instead was tried on paper and dropped: it turns redundant rows into nearly redundant ones.)
 Vector draw_exact(const Problem& p, std::mt19937_64& random, Vector& product) {
   const SparseMatrix J = p.J;
-  std::vector<Index> order(at(p.size()));
-  std::iota(order.begin(), order.end(), Index{0});
+  std::vector<Index> order = numbers_from(Index{0}, at(p.size()));
   for (std::size_t k = order.size(); k > 1; --k) std::swap(order[k - 1], order[random() % k]);
   Vector z = Vector::Zero(p.size());
   product.setZero(p.rows());

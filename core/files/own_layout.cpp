@@ -1,4 +1,3 @@
-#include <numeric>
 
 #include <zwang/core/files/layouts.h>
 
@@ -127,8 +126,7 @@ Instance read_own(const hdf5::Group& group) {
   } catch (const std::invalid_argument& unknown) {
     group.fail("law", unknown.what());
   }
-  std::vector<std::uint64_t> constraint(p.kind.size()), row(p.kind.size(), 0);
-  std::iota(constraint.begin(), constraint.end(), std::uint64_t{1});
+  std::vector<std::uint64_t> constraint = numbers_from(std::uint64_t{1}, p.kind.size()), row(p.kind.size(), 0);
   if (group.has_group("key")) {
     constraint = group.group("key").read<std::uint64_t>("constraint", p.kind.size());
     row = group.group("key").read<std::uint64_t>("row", p.kind.size());

@@ -3,7 +3,6 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include <zwang/core/referee/friction/numbers.h>
 #include <zwang/core/referee/tolerances.h>
@@ -107,8 +106,7 @@ class NormalMap {
     r_ = Vector::Zero(size_);
     for (Index j = 0; j < n_; ++j) r_[j] = up(distance * p_.dual_norm(Vector(Vector::Unit(n_, j))));
     ExtendedVector lambda = ExtendedVector::Zero(p_.rows());
-    std::vector<Index> touching = p_.equalities, places(touching.size());
-    std::iota(places.begin(), places.end(), n_);
+    std::vector<Index> touching = p_.equalities, places = numbers_from(n_, touching.size());
     for (const Part& part : parts_) {
       const double slack = p_.slack(part.row(), x).hi, spread = up(p_.slack_error(part.row(), x) + reach(part, 0));
       if (slack + spread < 0) return true;

@@ -37,8 +37,7 @@ std::array<double, stage_names.size()> StepCost::shares() const {
 
 std::string StepCost::line() const {
   const auto share = shares();
-  std::vector<std::size_t> order(share.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::vector<std::size_t> order = numbers_from(std::size_t{0}, share.size());
   std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) { return share[a] > share[b]; });
   std::vector<std::string> parts;
   for (const std::size_t k : order)
