@@ -130,8 +130,7 @@ std::vector<double> JsonValue::numbers(std::size_t size) const {
 
 std::string JsonValue::word(const std::vector<std::string>& words) const {
   const std::string given = text();
-  if (std::find(words.begin(), words.end(), given) == words.end())
-    fail("one of " + joined(words) + did_you_mean(given, words));
+  if (std::ranges::find(words, given) == words.end()) fail("one of " + joined(words) + did_you_mean(given, words));
   return given;
 }
 

@@ -144,8 +144,7 @@ Farkas judge_certificate(const ScaledProblem& scaled, const Vector& certificate,
     out.conflicting.push_back(i);
     scale = std::max(scale, asks);
   }
-  std::stable_sort(out.conflicting.begin(), out.conflicting.end(),
-                   [&](Index a, Index b) { return weight[a] > weight[b]; });
+  std::ranges::stable_sort(out.conflicting, [&](Index a, Index b) { return weight[a] > weight[b]; });
 
   if (sign_holds(scaled, u, cones)) out.distance = weigh(scaled, u).distance;
   out.proven = out.distance >= referee::farkas_margin * whole;

@@ -66,8 +66,7 @@ Inward look_inward(const ScaledProblem& scaled, const Anchored& anchored, const 
   const Column t = Eigen::Map<const Column>(target.data(), static_cast<Index>(target.size()));
   const Column y = rows.Q() * rows.solve_transposed(t);
   const auto reaches = [&](const Column& direction) {
-    return std::all_of(near.begin(), near.end(),
-                       [&](Index i) { return scaled.unit_row(i).dot(direction) >= referee::reaches; });
+    return std::ranges::all_of(near, [&](Index i) { return scaled.unit_row(i).dot(direction) >= referee::reaches; });
   };
   out.found = reaches(y);
   if (out.found) {

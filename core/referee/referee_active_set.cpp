@@ -48,8 +48,7 @@ void RefereeActiveSet::guess(const ExtendedVector& guess_d, const ExtendedVector
       candidates.push_back({i, weight, guess_lambda ? -weight : slack});
   }
   equality_rank = rows.rank();
-  std::stable_sort(candidates.begin(), candidates.end(),
-                   [](const Candidate& a, const Candidate& b) { return a.order < b.order; });
+  std::ranges::stable_sort(candidates, {}, &Candidate::order);
   for (const Candidate& it : candidates)
     if (work_left_ > 0) take(it.row, it.weight);
 }

@@ -50,9 +50,7 @@ Elimination eliminate(const Lists& near, const Deadline& deadline) {
   }
 
   // Postorder, the child with most below it last: it is the one that may be merged.
-  for (auto& list : children)
-    std::sort(list.begin(), list.end(),
-              [&](int a, int b) { return std::pair(e.below[at(a)].size(), a) < std::pair(e.below[at(b)].size(), b); });
+  for (auto& list : children) std::ranges::sort(list, {}, [&](int a) { return std::pair(e.below[at(a)].size(), a); });
   std::vector<int> place(near.size()), stack;
   std::vector<std::size_t> next(near.size() + 1, 0);
   int count = 0;

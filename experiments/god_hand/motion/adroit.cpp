@@ -96,8 +96,7 @@ Recording adroit_recording(const JointTable& table) {
   Recording out;
   note(out.notes, torn, "without a step");
   note(out.notes, put_in_order(track.frames), "with the step of another");
-  const auto whole = std::count_if(track.frames.begin(), track.frames.end(),
-                                   [](const RecordedTrack::Sample& f) { return f.hand.has_value(); });
+  const auto whole = std::ranges::count_if(track.frames, [](const auto& f) { return f.hand.has_value(); });
   if (2 * at(whole) < table.rows.size() || whole < 2)
     table.refuse("most rows are not whole: a number in every column expected");
   if (track.frames.back().time - track.frames.front().time > 600)

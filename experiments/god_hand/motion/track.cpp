@@ -30,8 +30,7 @@ void append(Track& track, Track::Key key) {
   const Pose<double>& palm = key.target.palm;
   constexpr double farthest = 1000;  // m from the origin: no tracker sees farther, and searches must end
   const bool finite = palm.position.norm() <= farthest && palm.rotation.allFinite() &&
-                      std::all_of(key.target.angles.begin(), key.target.angles.end(),
-                                  [](double angle) { return std::isfinite(angle); });
+                      std::ranges::all_of(key.target.angles, [](double angle) { return std::isfinite(angle); });
   if (!finite || !key.target.tracked) {
     ++track.held_over;
     if (track.keys.empty()) return;

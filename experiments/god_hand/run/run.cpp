@@ -49,8 +49,7 @@ Setup set_up(Record& record) {
   record.god = setup.tool ? fingerprint(*setup.tool) : 0;
   record.hands = setup.motion.hands.size();
   record.bodies = setup.tool ? setup.tool->objects.shapes.size() : record.hands * hand::bodies;
-  record.loose = at(std::count_if(setup.surroundings.objects.begin(), setup.surroundings.objects.end(),
-                                  [](const Object& object) { return object.loose(); }));
+  record.loose = at(std::ranges::count_if(setup.surroundings.objects, &Object::loose));
   record.held_over = 0;
   for (const Track& track : setup.motion.hands) {
     record.held_over += track.held_over;
