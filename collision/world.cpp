@@ -120,12 +120,8 @@ bool World::may_meet(int a, int b) const {
 }
 
 BodyMotion World::body_motion(int collider) const {
-  BodyMotion c{.start = pose(collider)};
-  if (const Move* move = move_of_[static_cast<std::size_t>(collider)]) {
-    c.twist = move->twist;
-    c.path = move->path;
-  }
-  return c;
+  const Move* move = move_of_[zwang::at(collider)];
+  return move ? BodyMotion{pose(collider), move->twist, move->path} : BodyMotion{pose(collider)};
 }
 
 double World::travel(int collider) const {
@@ -291,8 +287,7 @@ TimeOfContact World::time_of_contact(std::span<const Move> moves) {
     double& least = least_[static_cast<std::size_t>(pair.a)];
     for (std::size_t i = pair.first; i < pair.end; ++i)
       least = std::min(least, found.candidates[i].closest.distance - radius);
-    if (!mesh(pair.b))
-      least_[static_cast<std::size_t>(pair.b)] = std::min(least_[static_cast<std::size_t>(pair.b)], least);
+    if (!mesh(pair.b)) least_[zwang::at(pair.b)] = std::min(least_[zwang::at(pair.b)], least);
   }
 
   order_.reserve(found.candidates.capacity());

@@ -56,8 +56,7 @@ Vector vector_of(const Json& record, const char* key, Index size, bool required)
     throw std::runtime_error(std::string(key) + " has " + (list.is_array() ? std::to_string(list.size()) : "no") +
                              " numbers, expected " + std::to_string(size));
   Vector v(size);
-  for (Index i = 0; i < size; ++i)
-    v[i] = number(list[static_cast<std::size_t>(i)], std::string(key) + "[" + std::to_string(i) + "]");
+  for (Index i = 0; i < size; ++i) v[i] = number(list[at(i)], std::string(key) + "[" + std::to_string(i) + "]");
   return v;
 }
 

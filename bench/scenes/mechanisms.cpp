@@ -131,9 +131,7 @@ Instance four_bar(const Knobs& knobs) {
   for (std::size_t k = 0; k < 3; ++k) scene.add(box_body({1, 0.125, 1}, 1, (corner[k] + corner[k + 1]) / 2));
   for (std::size_t k = 0; k < 4; ++k) {
     const BodyId a = ground + static_cast<int>(k), b = k == 3 ? ground : a + 1;
-    const auto anchor = [&](BodyId body) -> Vec3 {
-      return corner[k] - scene.bodies[static_cast<std::size_t>(body)].pose.position;
-    };
+    const auto anchor = [&](BodyId body) -> Vec3 { return corner[k] - scene.bodies[at(body)].pose.position; };
     scene.add(RevoluteJoint{{a, b}, anchor(a), anchor(b), Vec3::UnitY(), Vec3::UnitY()}, name[k]);
   }
   return let_go(scene, knobs);

@@ -172,7 +172,7 @@ class Reader {
     const Vec3 point = vector3(v["at"]);
     const Vec3 point_b = v.has("at_b") ? vector3(v["at_b"]) : point;
     const Vec3 anchor_a = local(a, point), anchor_b = local(b, point_b);
-    const Mat3 relative = at(a).rotation.transpose() * at(b).rotation;
+    const Mat3 relative = pose_of(a).rotation.transpose() * pose_of(b).rotation;
     const auto axis = [&] { return direction(v["axis"]); };
     if (type != "distance" && type != "rope") joined_.insert(std::minmax(a, b));
     if (type != "hinge" && v.has("drive")) v["drive"].fail("a hinge beside it");
@@ -248,12 +248,11 @@ class Reader {
     }
     std::map<std::pair<BodyId, BodyId>, int> count;
     for (const collision::Touch& t : world.touches(within)) {
-      const BodyId a = body_of[static_cast<std::size_t>(t.a)], b = body_of[static_cast<std::size_t>(t.b)];
+      const BodyId a = body_of[at(t.a)], b = body_of[at(t.b)];
       if (joined_.contains(std::minmax(a, b))) continue;
       const int which = count[{a, b}]++;
       scene_.add(contact_at(scene_.bodies, a, b, t.point_a, t.normal, t.gap, friction),
-                 names_[static_cast<std::size_t>(a)] + " on " + names_[static_cast<std::size_t>(b)] +
-                     (which ? ", " + std::to_string(which + 1) : ""));
+                 names_[at(a)] + " on " + names_[at(b)] + (which ? ", " + std::to_string(which + 1) : ""));
     }
   }
   BodyId body_named(const JsonValue& v) const {
@@ -264,11 +263,13 @@ class Reader {
   }
   std::string label(const JsonValue& v, BodyId a, BodyId b) const {
     if (v.has("name")) return v["name"].text();
-    return names_[static_cast<std::size_t>(a)] + " on " + names_[static_cast<std::size_t>(b)];
+    return names_[at(a)] + " on " + names_[at(b)];
   }
-  const Pose<double>& at(BodyId b) const { return scene_.bodies[static_cast<std::size_t>(b)].pose; }
-  Vec3 local(BodyId b, const Vec3& point) const { return at(b).rotation.transpose() * (point - at(b).position); }
-  Vec3 local_turn(BodyId b, const Vec3& d) const { return at(b).rotation.transpose() * d; }
+  const Pose<double>& pose_of(BodyId b) const { return scene_.bodies[at(b)].pose; }
+  Vec3 local(BodyId b, const Vec3& point) const {
+    return pose_of(b).rotation.transpose() * (point - pose_of(b).position);
+  }
+  Vec3 local_turn(BodyId b, const Vec3& d) const { return pose_of(b).rotation.transpose() * d; }
 
   struct Hinge {
     BodyId a, b;
@@ -299,7 +300,7 @@ WrittenScene read_written_scene(const std::filesystem::path& file) { return Read
 std::vector<JointLimit> hinge_limits(const Scene& scene, std::array<BodyId, 2> bodies, const Vec3& axis,
                                      const HingeRange& range) {
   const auto turned = [&](BodyId b, const Vec3& d) -> Vec3 {
-    return scene.bodies[static_cast<std::size_t>(b)].pose.rotation.transpose() * d;
+    return scene.bodies[at(b)].pose.rotation.transpose() * d;
   };
   const Vec3 across = axis.unitOrthogonal();
   JointLimit limit{.bodies = bodies,

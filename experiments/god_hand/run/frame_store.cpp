@@ -235,8 +235,7 @@ void FrameReader::each(const std::function<void(const Frame&)>& visit) const {
   Frame frame = empty_frame(bodies_, loose_);
   std::size_t first_contact = 0;
   for (long begin = 0; begin < frames_; begin += checkpoint_every) {
-    const auto first = static_cast<std::size_t>(begin),
-               count = static_cast<std::size_t>(std::min(checkpoint_every, frames_ - begin)),
+    const auto first = at(begin), count = at(std::min(checkpoint_every, frames_ - begin)),
                contacts = contacts_in(file_, first, count);
     std::vector<std::vector<double>> values;
     std::vector<const double*> at;
