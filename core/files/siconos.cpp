@@ -78,12 +78,6 @@ class Words {
 
 using Entries = std::vector<Eigen::Triplet<double>>;
 
-void require_inside(const Words& words, std::int64_t row, std::int64_t column, Index rows, Index columns) {
-  if (row < 0 || row >= rows || column < 0 || column >= columns)
-    words.fail("row " + std::to_string(row) + ", column " + std::to_string(column) + "; expected a place in " +
-               std::to_string(rows) + " x " + std::to_string(columns));
-}
-
 // By columns, as they lie in memory.
 Entries read_dense(Words& words, Index rows, Index columns, const std::string& entry) {
   if (words.count("the number of rows again") != rows || words.count("the number of columns again") != columns)
@@ -109,14 +103,12 @@ Entries read_blocks(Words& words, Index rows, Index columns, const std::string& 
   const auto begin_of = [](const std::vector<std::int64_t>& end, std::int64_t k) { return k > 0 ? end[at(k - 1)] : 0; };
   for (Index k = 0; k < blocks; ++k) {
     const Index block = words.count("the number of a block");
-    const auto at = static_cast<std::size_t>(block);
     std::int64_t row = 0;
-    while (row + 2 < filled && first[static_cast<std::size_t>(row + 1)] <= block) ++row;
-    if (block >= blocks || column[at] < 0 || column[at] >= block_columns || row >= block_rows)
+    while (row + 2 < filled && first[at(row + 1)] <= block) ++row;
+    if (block >= blocks || column[at(block)] < 0 || column[at(block)] >= block_columns || row >= block_rows)
       words.fail("expected the number of a block below " + std::to_string(blocks));
-    const std::int64_t top = begin_of(row_end, row), left = begin_of(column_end, column[at]),
-                       bottom = row_end[static_cast<std::size_t>(row)],
-                       right = column_end[static_cast<std::size_t>(column[at])];
+    const std::int64_t across = column[at(block)], top = begin_of(row_end, row), left = begin_of(column_end, across),
+                       bottom = row_end[at(row)], right = column_end[at(across)];
     if (top < 0 || left < 0 || bottom < top || right < left || bottom > rows || right > columns)
       words.fail("block " + std::to_string(block) + " lies outside of the matrix");
     for (Index j = left; j < right; ++j)
@@ -141,7 +133,9 @@ Entries read_sparse_text(Words& words, Index rows, Index columns, const std::str
     words.fail("then '" + head + "'; expected " + std::to_string(rows) + "-by-" + std::to_string(columns));
   Entries entries;
   const auto add = [&](std::int64_t i, std::int64_t j) {
-    require_inside(words, i, j, rows, columns);
+    if (i < 0 || i >= rows || j < 0 || j >= columns)
+      words.fail("row " + std::to_string(i) + ", column " + std::to_string(j) + "; expected a place in " +
+                 std::to_string(rows) + " x " + std::to_string(columns));
     words.expect(":");
     entries.emplace_back(static_cast<int>(i), static_cast<int>(j), words.number<double>(entry));
   };
