@@ -64,8 +64,7 @@ class BulletSweep {
     world_.addCollisionObject(&object_);
   }
   ~BulletSweep() { world_.removeCollisionObject(&object_); }
-  BulletSweep(const BulletSweep&) = delete;
-  BulletSweep& operator=(const BulletSweep&) = delete;
+  BulletSweep(BulletSweep&&) = delete;
 
   double time(const Shape& shape, const Pose<double>& from, const Pose<double>& to) const {
     const btCapsuleShape capsule(shape.radius(), 2 * shape.half().y());  // along y, as ours

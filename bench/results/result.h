@@ -163,8 +163,7 @@ class ResultFile {
  public:
   explicit ResultFile(const std::filesystem::path& file, bool anew = false);
   ~ResultFile();
-  ResultFile(const ResultFile&) = delete;
-  ResultFile& operator=(const ResultFile&) = delete;
+  ResultFile(ResultFile&&) = delete;
   void append(const std::vector<std::string>& lines);
 
  private:

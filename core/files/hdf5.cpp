@@ -17,8 +17,7 @@ static_assert(std::is_same_v<hid_t, std::int64_t>);
 class Handle {
  public:
   Handle(hid_t id, herr_t (*close)(hid_t)) : id_(id), close_(close) {}
-  Handle(const Handle&) = delete;
-  Handle& operator=(const Handle&) = delete;
+  Handle(Handle&&) = delete;
   ~Handle() {
     if (id_ >= 0) close_(id_);
   }

@@ -17,8 +17,7 @@ class MemoryCap {
  public:
   MemoryCap();
   ~MemoryCap();
-  MemoryCap(const MemoryCap&) = delete;
-  MemoryCap& operator=(const MemoryCap&) = delete;
+  MemoryCap(MemoryCap&&) = delete;
 
  private:
   unsigned long before_ = 0;

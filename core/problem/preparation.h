@@ -21,8 +21,7 @@ class Preparation {
     if (watch_ && --watch_->depth_ == 0)
       watch_->sum_ += std::max(0.0, watch_->count_() - watch_->begin_ - watch_->reading_);
   }
-  Preparation(const Preparation&) = delete;
-  Preparation& operator=(const Preparation&) = delete;
+  Preparation(Preparation&&) = delete;
 
   // Adds up what this thread prepares while it lives: CPU seconds, or whatever `count` counts. What a reading itself
   // adds is left out. One a thread at a time.
@@ -32,8 +31,7 @@ class Preparation {
       watch_ = this;
     }
     ~Watch() { watch_ = nullptr; }
-    Watch(const Watch&) = delete;
-    Watch& operator=(const Watch&) = delete;
+    Watch(Watch&&) = delete;
     double sum() const { return sum_; }
 
    private:

@@ -16,8 +16,7 @@ class Peer {
  public:
   Peer() = default;
   ~Peer() { stop(); }
-  Peer(const Peer&) = delete;
-  Peer& operator=(const Peer&) = delete;
+  Peer(Peer&&) = delete;
 
   // Runs `life` with its end of the socket in a forked process, which ends with it, or when this process does. Its
   // stdin, stdout and stderr are /dev/null, it leaves no core file and ignores Ctrl-C (this process decides). Neither

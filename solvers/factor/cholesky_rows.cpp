@@ -31,8 +31,7 @@ struct CholeskyRows::Cholmod {
     cholmod_free_factor(&L, &common);
     cholmod_finish(&common);
   }
-  Cholmod(const Cholmod&) = delete;
-  Cholmod& operator=(const Cholmod&) = delete;
+  Cholmod(Cholmod&&) = delete;
 
   // The identity; storage is kept when the size stays.
   bool reset(Index size) {

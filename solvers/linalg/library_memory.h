@@ -19,16 +19,14 @@ class LibraryMemory {
 
   LibraryMemory() = default;
   ~LibraryMemory();
-  LibraryMemory(const LibraryMemory&) = delete;
-  LibraryMemory& operator=(const LibraryMemory&) = delete;
+  LibraryMemory(LibraryMemory&&) = delete;
 
   // While it lives, what the libraries ask for on this thread comes from `memory`.
   class Use {
    public:
     explicit Use(LibraryMemory& memory);
     ~Use();
-    Use(const Use&) = delete;
-    Use& operator=(const Use&) = delete;
+    Use(Use&&) = delete;
 
    private:
     LibraryMemory* before_;

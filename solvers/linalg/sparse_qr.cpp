@@ -45,8 +45,7 @@ struct SparseQr::Factors {
     forget();
     cholmod_l_finish(&common);
   }
-  Factors(const Factors&) = delete;
-  Factors& operator=(const Factors&) = delete;
+  Factors(Factors&&) = delete;
 
   void forget() {
     if (qr) SuiteSparseQR_free(&qr, &common);

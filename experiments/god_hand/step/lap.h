@@ -12,8 +12,7 @@ class Lap {
  public:
   explicit Lap(double& sum) : sum_(sum), start_(now()) {}
   ~Lap() { sum_ += std::max(0.0, now() - start_); }
-  Lap(const Lap&) = delete;
-  Lap& operator=(const Lap&) = delete;
+  Lap(Lap&&) = delete;
 
  private:
   static double now() { return thread_cpu_seconds(1e-4); }

@@ -82,8 +82,7 @@ class TreeShape : public btConcaveShape {
       tree_.narrowed_ = this;
     }
     ~Narrowed() { tree_.narrowed_ = nullptr; }
-    Narrowed(const Narrowed&) = delete;
-    Narrowed& operator=(const Narrowed&) = delete;
+    Narrowed(Narrowed&&) = delete;
 
     bool meets(const collision::TreeNode& node) const {
       collision::Region::LocalBox seen;

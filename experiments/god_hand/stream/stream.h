@@ -24,8 +24,7 @@ class Stream {
   // Throws std::invalid_argument, one line, where a place is taken or cannot be had.
   Stream(const Place& place, std::size_t bodies, Say say);
   ~Stream();
-  Stream(const Stream&) = delete;
-  Stream& operator=(const Stream&) = delete;
+  Stream(Stream&&) = delete;
 
   void send(const Frame& frame);
   // The newest targets that came in since the last call, one pose a god object. False: none.
