@@ -36,12 +36,6 @@ Vector draw_exact(const Problem& p, std::mt19937_64& random, Vector& product) {
   return z;
 }
 
-double largest_entry(const Problem& p, Index i) {
-  double largest = 0;
-  for (RowMatrix::InnerIterator it(p.J, i); it; ++it) largest = std::max(largest, std::abs(it.value()));
-  return largest;
-}
-
 }  // namespace
 
 Instance with_known_answer(Instance instance, std::uint64_t seed, double active_fraction) {
@@ -55,7 +49,7 @@ Instance with_known_answer(Instance instance, std::uint64_t seed, double active_
     const double size = static_cast<double>(1 + random() % 4), chance = static_cast<double>(random() >> 11) * 0x1p-53;
     const bool sign = random() % 2;
     if (p.c[i] == -std::numeric_limits<double>::infinity()) continue;
-    const double largest = largest_entry(p, i);
+    const double largest = largest_entry(p.J, i);
     const int exponent = largest > 0 ? std::ilogb(largest) : 0;
     const bool pushes = p.is_equality(i) || chance < active_fraction;
     p.c[i] = pushes ? product[i] : product[i] - std::ldexp(size, exponent);

@@ -59,8 +59,7 @@ std::string bad_entry(const Sparse& A, const char* letter, double limit) {
 std::string bad_length(const Problem& p) {
   std::optional<Eigen::SimplicialLLT<SparseMatrix>> factor;
   for (Index i = 0; i < p.rows(); ++i) {
-    double largest = 0;
-    for (RowMatrix::InnerIterator it(p.J, i); it; ++it) largest = std::max(largest, std::abs(it.value()));
+    const double largest = largest_entry(p.J, i);
     if (!(largest > short_entry)) continue;
     if (!factor) factor.emplace(p.M);
     if (factor->info() != Eigen::Success) return {};
@@ -166,6 +165,12 @@ std::string bad_input(const Problem& p) {
   if (std::string text = bad_friction(p); !text.empty()) return text;
   if (std::string text = bad_mass(p.M); !text.empty()) return text;
   return long_rows ? bad_length(p) : std::string();
+}
+
+double largest_entry(const RowMatrix& J, Index row) {
+  double largest = 0;
+  for (RowMatrix::InnerIterator it(J, row); it; ++it) largest = std::max(largest, std::abs(it.value()));
+  return largest;
 }
 
 bool is_positive_definite(const SparseMatrix& M) {

@@ -53,6 +53,7 @@ void require_matching_sizes(const Problem& problem);
 // is_positive_definite.
 std::string bad_input(const Problem& problem);
 bool is_positive_definite(const SparseMatrix& M);
+double largest_entry(const RowMatrix& J, Index row);  // in magnitude
 
 // The same problem in another scalar: exact for any scalar that holds every double.
 template <class Scalar>

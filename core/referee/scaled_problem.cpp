@@ -74,8 +74,7 @@ ScaledProblem::ScaledProblem(const Problem& p)
   reach(n > 0 ? z_u.cwiseAbs().maxCoeff() : 0, 0);
   for (Index i = 0; i < m; ++i) {
     equality[at(i)] = p.is_equality(i);
-    double entry = 0;
-    for (decltype(J)::InnerIterator it(J, i); it; ++it) entry = std::max(entry, std::abs(it.value()));
+    const double entry = largest_entry(J, i);
     const int e = row_exponent[i] = exponent_of(entry);
     for (decltype(J)::InnerIterator it(J, i); it; ++it) it.valueRef() = std::ldexp(it.value(), -e);
     if (entry > 0 && std::isfinite(c[i])) reach(p.is_equality(i) || p.is_tangent(i) ? std::abs(c[i]) : c[i], -e);

@@ -202,10 +202,7 @@ bool ExtendedPolish<Real>::proves(Solution& s) {
     weight += abs(u);
     reach = std::max(reach, std::abs(w_->h[i]));
     add_row(i, Real(certificate_[w_->row[at(i)]]), force_);
-    double largest = 0;
-    for (RowMatrix::InnerIterator it(p_->J, w_->row[at(i)]); it; ++it)
-      largest = std::max(largest, std::abs(it.value()));
-    entries += abs(Real(certificate_[w_->row[at(i)]])) * Real(largest);
+    entries += abs(Real(certificate_[w_->row[at(i)]])) * Real(largest_entry(p_->J, w_->row[at(i)]));
   }
   constexpr double entry_rounding = tolerances::entry_rounding * std::numeric_limits<double>::epsilon();
   if (!(force_.cwiseAbs().maxCoeff() <= Real(entry_rounding) * entries)) return false;
