@@ -86,6 +86,7 @@ struct Solution {
   // z.resize(0), lambda.resize(0) and certificate.setZero(m), with the storage kept.
   void empty_z() { spare.z.set_zero(z, 0); }
   void empty_lambda() { spare.lambda.set_zero(lambda, 0); }
+  void empty_answer() { empty_z(), empty_lambda(); }
   Vector& zero_certificate(Index m) {
     spare.certificate.set_zero(certificate, m);
     return certificate;

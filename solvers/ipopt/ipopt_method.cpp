@@ -139,8 +139,7 @@ void IpoptMethod::solve_cones(const Problem& problem, const SolveOptions& option
     program.write(problem, answer.y, answer.lambda, solution);
     if (!limited && answer.claims_success) solution.message += ", but the natural residual is above the tolerance";
   } else {
-    solution.empty_z();
-    solution.empty_lambda();
+    solution.empty_answer();
   }
 }
 
@@ -178,8 +177,7 @@ void IpoptMethod::solve(const Problem& problem, const SolveOptions& options, Sol
   if (has_point) {
     program.write(problem, answer.y, answer.lambda, solution);
   } else {
-    solution.empty_z();
-    solution.empty_lambda();
+    solution.empty_answer();
   }
   const bool limited = is_limit(answer.status);
   if (has_point && !limited) judge(problem, program, answer, options.tolerance, solution);

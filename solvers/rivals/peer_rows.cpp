@@ -46,8 +46,7 @@ void RowsApart::join(const Vector& of_E, const Vector& of_F, Vector& lambda) con
 
 void write_infeasible(const Problem& problem, const UnitProgram& program, Vector u, Solution& solution) {
   solution.status = Status::infeasible;
-  solution.empty_z();
-  solution.empty_lambda();
+  solution.empty_answer();
   if (u.size() != program.rows() || !u.allFinite()) return;
   // A library's ray is rough, so it is sharpened before it is judged.
   Vector motion;
@@ -65,8 +64,7 @@ void write_answer(const Problem& problem, const UnitProgram& program, const Vect
   if (solution.status == Status::infeasible) return write_infeasible(problem, program, std::move(ray), solution);
   if (y.size() == program.size() && y.allFinite() && lambda.allFinite())
     return program.write(problem, y, lambda, solution);
-  solution.empty_z();
-  solution.empty_lambda();
+  solution.empty_answer();
 }
 
 double seconds_left(const Deadline& deadline, double unlimited) {

@@ -104,8 +104,7 @@ void SiconosWork::judge(int code, const Problem& p, const SolveOptions& options,
   solution.status = holds ? Status::solved : Status::numerical_failure;
   solution.message = printed("Siconos: code %d, natural residual %g", code, left / scale);
   if (!motion.allFinite()) {
-    solution.empty_z();
-    solution.empty_lambda();
+    solution.empty_answer();
   } else {
     program.write(p, motion, y, solution);
   }
