@@ -3,18 +3,11 @@
 #include <cerrno>
 #include <cstddef>
 
+#include <zwang/core/problem/memory.h>
+
 // Counting operator new alone would miss Eigen, which calls malloc, and CHOLMOD, which goes through SuiteSparse's own
 // function table; so the C library's entry points themselves are replaced. glibc exports what stands behind them
 // (__libc_malloc, ...). Under AddressSanitizer, which replaces malloc itself, its hook counts.
-
-#if defined(__has_feature)
-#if __has_feature(address_sanitizer)
-#define ZWANG_ADDRESS_SANITIZER
-#endif
-#endif
-#if defined(__SANITIZE_ADDRESS__)
-#define ZWANG_ADDRESS_SANITIZER
-#endif
 
 namespace {
 // Per thread and plain: an atomic one would cost a solver that allocates much, such as Ipopt, a few percent of its

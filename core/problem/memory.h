@@ -2,6 +2,14 @@
 
 #include <filesystem>
 
+#if defined(__has_feature)
+#if __has_feature(address_sanitizer)
+#define ZWANG_ADDRESS_SANITIZER  // it reserves terabytes of addresses
+#endif
+#elif defined(__SANITIZE_ADDRESS__)
+#define ZWANG_ADDRESS_SANITIZER
+#endif
+
 namespace zwang {
 
 // Bytes that this process may still ask for, by the kernel's count of what is free, its control group and its own limit

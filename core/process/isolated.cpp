@@ -12,14 +12,6 @@
 #include <zwang/core/problem/wording.h>
 #include <zwang/core/process/child_process.h>
 
-#if defined(__has_feature)
-#if __has_feature(address_sanitizer)
-#define ZWANG_ADDRESS_SANITIZER  // it reserves terabytes of addresses
-#endif
-#elif defined(__SANITIZE_ADDRESS__)
-#define ZWANG_ADDRESS_SANITIZER
-#endif
-
 namespace zwang {
 namespace {
 
