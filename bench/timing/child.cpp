@@ -2,7 +2,7 @@
 
 #include <unistd.h>
 
-#include <ctime>
+#include <zwang/core/problem/cpu_clock.h>
 
 namespace zwang {
 namespace {
@@ -25,11 +25,6 @@ void serve(int socket, MakeSolver make) {
       if (getpid() != self || !send_message(socket, answer)) break;
     }
   }
-}
-
-double seconds_of(clockid_t clock) {
-  timespec t{};
-  return clock_gettime(clock, &t) == 0 ? static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec) : 0;
 }
 
 }  // namespace
