@@ -1,7 +1,6 @@
 #include <zwang/core/referee/measure.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include <zwang/core/referee/bounds.h>

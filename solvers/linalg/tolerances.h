@@ -1,7 +1,5 @@
 #pragma once
 
-#include <limits>
-
 // What the native solvers decide by, each with its reason. No other literal tolerance decides anything
 // (tests/structure/literals.cmake). Lengths, pivots and shares are of unit rows. A share is the length of a unit row
 // outside the span of others: 1 orthogonal, 0 dependent. "In epsilons" means of the scalar at hand.

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <memory>
 
-#include <zwang/solvers/finish/farkas.h>
 #include <zwang/solvers/linalg/tolerances.h>
 #include <zwang/solvers/rivals/peer_rows.h>
 

@@ -8,7 +8,6 @@
 #include <zwang/core/referee/exact_rank.h>
 #include <zwang/core/referee/friction/interior_point.h>
 #include <zwang/core/referee/orthogonal_rows.h>
-#include <zwang/core/referee/tolerances.h>
 
 namespace zwang {
 namespace {
