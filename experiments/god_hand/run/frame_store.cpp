@@ -8,6 +8,7 @@
 
 #include <zwang/core/files/problem_file.h>
 #include <zwang/core/problem/mix_bits.h>
+#include <zwang/core/problem/wording.h>
 #include <zwang/experiments/god_hand/hand/each_number.h>
 
 namespace zwang::god {
@@ -51,10 +52,8 @@ void each_stored(T& value, const Visit& visit) {
 
 template <class Enum>
 std::string names_of(Enum last) {
-  std::string names;
-  for (int i = 0; i <= static_cast<int>(last); ++i)
-    names += (i > 0 ? ", " : "") + std::to_string(i) + " " + std::string(to_string(static_cast<Enum>(i)));
-  return names;
+  return joined(mapped(numbers_from(0, at(static_cast<int>(last) + 1)),
+                       [](int i) { return std::to_string(i) + " " + std::string(to_string(static_cast<Enum>(i))); }));
 }
 
 // How a value of this type is stored; an empty list of poses is not.
