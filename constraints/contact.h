@@ -67,10 +67,11 @@ static_assert(Constraint<PadContact> && HasCompliance<PadContact>);
 inline Mat3 contact_frame(const Vec3& normal) {
   const double up = normal.z() > -0.35 ? 1 : -1;
   const double x = normal.x(), y = normal.y(), scale = 1 / (1 + up * normal.z());
-  return (Mat3() << x, 1 - x * x * scale, -x * y * scale * up,  //
-          y, -x * y * scale, (1 - y * y * scale) * up,          //
-          normal.z(), -x * up, -y)
-      .finished();
+  Mat3 frame;
+  frame << x, 1 - x * x * scale, -x * y * scale * up,  //
+      y, -x * y * scale, (1 - y * y * scale) * up,     //
+      normal.z(), -x * up, -y;
+  return frame;
 }
 
 // The contact of A at `point` [m, world] with the face of B that lies `gap` [m] below it along -normal [world, unit].

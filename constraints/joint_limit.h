@@ -59,7 +59,9 @@ struct JointLimit {
     Vec3 turning = n;
     if (square > 0) turning = (cosine * to.cross(across) - sine * to.cross(from)) / square;
     turning *= static_cast<int>(side);
-    return (Mat<double, 1, 12>() << 0, 0, 0, -turning.transpose(), 0, 0, 0, turning.transpose()).finished();
+    Mat<double, 1, 12> J;
+    J << 0, 0, 0, -turning.transpose(), 0, 0, 0, turning.transpose();
+    return J;
   }
 
  private:

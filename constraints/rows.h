@@ -9,13 +9,17 @@ namespace zwang::row {
 
 // Of q * p, a point with lever u = q * p - q.position: [I, -[u]x].
 inline Mat<double, 3, 6> point(const Vec3& u) {
-  return (Mat<double, 3, 6>() << Mat3::Identity(), -skew<double>(u)).finished();
+  Mat<double, 3, 6> J;
+  J << Mat3::Identity(), -skew<double>(u);
+  return J;
 }
 
 // Of p_A - p_B, anchors fixed in their bodies.
 inline Mat<double, 3, 12> anchors(const Pose<double>& a, const Pose<double>& b, const Vec3& anchor_a,
                                   const Vec3& anchor_b) {
-  return (Mat<double, 3, 12>() << point(a.turn(anchor_a)), -point(b.turn(anchor_b))).finished();
+  Mat<double, 3, 12> J;
+  J << point(a.turn(anchor_a)), -point(b.turn(anchor_b));
+  return J;
 }
 
 // Of e . (r_A - r_B), where the direction e turns with B: [e, u x e] on A, [-e, -(u_B x e)] on B, both levers to r_A.
@@ -30,7 +34,9 @@ inline Mat<double, 1, 12> separation(const Vec3& e, const Vec3& r_a, const Vec3&
 // Of d_A . d_B, directions fixed in their bodies (already in the world).
 inline Mat<double, 1, 12> alignment(const Vec3& d_a, const Vec3& d_b) {
   const Vec3 g = d_a.cross(d_b);
-  return (Mat<double, 1, 12>() << 0, 0, 0, g.transpose(), 0, 0, 0, -g.transpose()).finished();
+  Mat<double, 1, 12> J;
+  J << 0, 0, 0, g.transpose(), 0, 0, 0, -g.transpose();
+  return J;
 }
 
 // How far B is turned away from A: sin(angle) times the axis of R_B R_A', as 1/2 sum_i a_i x b_i over the axes of both.
@@ -48,7 +54,9 @@ Vec<T, 3> turn(const Mat<T, 3, 3>& A, const Mat<T, 3, 3>& B) {
 inline Mat<double, 3, 12> turn_jacobian(const Mat3& A, const Mat3& B) {
   Mat3 on_a = Mat3::Zero();
   for (int i = 0; i < 3; ++i) on_a += skew<double>(B.col(i)) * skew<double>(A.col(i)) / 2;
-  return (Mat<double, 3, 12>() << Mat3::Zero(), on_a, Mat3::Zero(), -on_a.transpose()).finished();
+  Mat<double, 3, 12> J;
+  J << Mat3::Zero(), on_a, Mat3::Zero(), -on_a.transpose();
+  return J;
 }
 
 }  // namespace zwang::row

@@ -16,7 +16,9 @@ struct UniversalJoint {
 
   template <class T>
   Vec<T, 4> value(const Pose<T>& a, const Pose<T>& b) const {
-    return (Vec<T, 4>() << Vec<T, 3>(a * anchor_a - b * anchor_b), a.turn(axis_a).dot(b.turn(axis_b))).finished();
+    Vec<T, 4> v;
+    v << Vec<T, 3>(a * anchor_a - b * anchor_b), a.turn(axis_a).dot(b.turn(axis_b));
+    return v;
   }
 
   Mat<double, 4, 12> jacobian(const Pose<double>& a, const Pose<double>& b) const {

@@ -16,7 +16,9 @@ struct Weld {
   template <class T>
   Vec<T, 6> value(const Pose<T>& a, const Pose<T>& b) const {
     const Mat<T, 3, 3> kept = a.rotation * relative.cast<T>();
-    return (Vec<T, 6>() << Vec<T, 3>(a * anchor_a - b * anchor_b), row::turn<T>(kept, b.rotation)).finished();
+    Vec<T, 6> v;
+    v << Vec<T, 3>(a * anchor_a - b * anchor_b), row::turn<T>(kept, b.rotation);
+    return v;
   }
 
   Mat<double, 6, 12> jacobian(const Pose<double>& a, const Pose<double>& b) const {

@@ -15,7 +15,7 @@ static std::vector<TreePointer> meshes_of(std::span<const Obstacle> obstacles) {
 Audit::Audit(std::vector<std::vector<Shape>> hands, std::vector<Obstacle> obstacles)
     : hands_(std::move(hands)), obstacles_(std::move(obstacles)), witness_(meshes_of(obstacles_)) {}
 
-bool Audit::overlaps(const Shape& shape, const Pose<double>& pose, std::span<const Pose<double>> obstacles) const {
+bool Audit::overlaps(const Shape& shape, const Pose<double>& pose, PoseSpan obstacles) const {
   std::size_t mesh = 0;
   for (std::size_t k = 0; k < obstacles_.size(); ++k) {
     const Shape* other = std::get_if<Shape>(&obstacles_[k]);
@@ -26,8 +26,7 @@ bool Audit::overlaps(const Shape& shape, const Pose<double>& pose, std::span<con
   return false;
 }
 
-bool Audit::crosses(std::size_t hand, const Shape& shape, const Pose<double>& pose,
-                    std::span<const Pose<double>> bodies) const {
+bool Audit::crosses(std::size_t hand, const Shape& shape, const Pose<double>& pose, PoseSpan bodies) const {
   std::size_t at = 0;
   for (std::size_t h = 0; h < hand; ++h)
     for (const Shape& other : hands_[h])
@@ -35,7 +34,7 @@ bool Audit::crosses(std::size_t hand, const Shape& shape, const Pose<double>& po
   return false;
 }
 
-long Audit::check(std::span<const Pose<double>> bodies, std::span<const Pose<double>> obstacles) {
+long Audit::check(PoseSpan bodies, PoseSpan obstacles) {
   const long before = found_;
   std::size_t at = 0;
   for (std::size_t hand = 0; hand < hands_.size(); ++hand)

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <memory>
-#include <span>
 #include <variant>
 #include <vector>
 
@@ -20,16 +19,15 @@ class Audit {
   Audit(std::vector<std::vector<collision::Shape>> hands, std::vector<Obstacle> obstacles);
 
   // `bodies`: poses of all bodies, hand after hand; `obstacles`: one for each. Returns how many bodies overlap one.
-  long check(std::span<const Pose<double>> bodies, std::span<const Pose<double>> obstacles);
+  long check(PoseSpan bodies, PoseSpan obstacles);
 
   long checked() const { return checked_; }  // bodies, over all calls
   long found() const { return found_; }      // of these: that overlapped an obstacle
   long crossed() const { return crossed_; }  // of these: that overlapped an earlier hand
 
  private:
-  bool overlaps(const collision::Shape& shape, const Pose<double>& pose, std::span<const Pose<double>> obstacles) const;
-  bool crosses(std::size_t hand, const collision::Shape& shape, const Pose<double>& pose,
-               std::span<const Pose<double>> bodies) const;
+  bool overlaps(const collision::Shape& shape, const Pose<double>& pose, PoseSpan obstacles) const;
+  bool crosses(std::size_t hand, const collision::Shape& shape, const Pose<double>& pose, PoseSpan bodies) const;
 
   std::vector<std::vector<collision::Shape>> hands_;
   std::vector<Obstacle> obstacles_;

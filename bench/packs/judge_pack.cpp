@@ -71,8 +71,7 @@ Outcome judge_pack(const Pack& pack, std::vector<Answers> contestants, SuiteSett
 }
 
 std::size_t solve_pack(const Pack& pack, const PackRun& run, const std::filesystem::path& file,
-                       const std::function<void(std::size_t, const std::string& name)>& progress,
-                       const std::atomic<bool>& interrupted) {
+                       const PackProgress& progress, const std::atomic<bool>& interrupted) {
   const Conditions here = conditions();
   Dispatcher dispatcher;
   const Run one{.solver = run.solver, .foreign = runs_apart(run.solver), .tolerance = run.tolerance};

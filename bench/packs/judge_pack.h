@@ -2,7 +2,6 @@
 
 #include <atomic>
 #include <filesystem>
-#include <functional>
 #include <string>
 #include <vector>
 
@@ -25,7 +24,6 @@ struct PackRun {
   double time_limit = 10;  // s of CPU time a problem
 };
 std::size_t solve_pack(const Pack& pack, const PackRun& run, const std::filesystem::path& file,
-                       const std::function<void(std::size_t, const std::string& name)>& progress,
-                       const std::atomic<bool>& interrupted);
+                       const PackProgress& progress, const std::atomic<bool>& interrupted);
 
 }  // namespace zwang

@@ -141,8 +141,7 @@ std::vector<Instance> problems_of_pack(const std::vector<std::string>& words, st
 }
 
 std::size_t write_pack(const std::filesystem::path& directory, std::vector<Instance> problems,
-                       const std::string& made_by, const std::filesystem::path& cache,
-                       const std::function<void(std::size_t, const std::string& name)>& progress) {
+                       const std::string& made_by, const std::filesystem::path& cache, const PackProgress& progress) {
   std::filesystem::create_directories(directory / "problems");
   Json index = {{"zwang_pack", pack_format}, {"made_by", made_by}, {"problems", Json::array()}};
   for (std::size_t k = 0; k < problems.size(); ++k) {

@@ -54,10 +54,11 @@ std::span<const NamedPack> named_packs();
 // std::invalid_argument or BadFile.
 std::vector<Instance> problems_of_pack(const std::vector<std::string>& words, std::uint64_t seed);
 
+using PackProgress = std::function<void(std::size_t, const std::string& name)>;  // problems done, and the next one
+
 // Writes the problems with what is known of their answers, and the index: the same bytes for the same problems.
 // `cache`: of references. Returns how many there are. Throws BadFile.
 std::size_t write_pack(const std::filesystem::path& directory, std::vector<Instance> problems,
-                       const std::string& made_by, const std::filesystem::path& cache,
-                       const std::function<void(std::size_t, const std::string& name)>& progress);
+                       const std::string& made_by, const std::filesystem::path& cache, const PackProgress& progress);
 
 }  // namespace zwang

@@ -428,8 +428,7 @@ std::string answer_sha256(const Solution& s) {
 }  // namespace
 
 ProofTally write_proofs(const Pack& pack, std::span<const Answers> contestants, const std::filesystem::path& directory,
-                        const std::function<void(std::size_t, const std::string& name)>& progress,
-                        const std::atomic<bool>& interrupted) {
+                        const PackProgress& progress, const std::atomic<bool>& interrupted) {
   ProofTally tally;
   const std::vector<std::string> names = names_of(contestants);
   std::filesystem::create_directories(directory / "problems");

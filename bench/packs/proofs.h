@@ -2,7 +2,6 @@
 
 #include <atomic>
 #include <filesystem>
-#include <functional>
 #include <map>
 #include <span>
 #include <string>
@@ -22,7 +21,6 @@ struct ProofTally {
 // docs/checker/check.py verifies both in rationals, without zwang (docs/packs.md). What is written was found in 100
 // digits, in which a row that holds and one that is off in its last bit differ by far. Throws BadFile.
 ProofTally write_proofs(const Pack& pack, std::span<const Answers> contestants, const std::filesystem::path& directory,
-                        const std::function<void(std::size_t, const std::string& name)>& progress,
-                        const std::atomic<bool>& interrupted);
+                        const PackProgress& progress, const std::atomic<bool>& interrupted);
 
 }  // namespace zwang

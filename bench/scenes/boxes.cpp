@@ -81,8 +81,7 @@ Instance stack(const Knobs& knobs) {
 // A brick wall in running bond, about as many courses as bricks in a course; every second course begins and ends with
 // half a brick. With push = 0 it rests, under a pressure that is even along each bed joint.
 Instance wall(const Knobs& knobs) {
-  const int boxes = static_cast<int>(knobs.at("boxes"));
-  const int across = static_cast<int>(std::ceil(std::sqrt(boxes)));
+  const int boxes = static_cast<int>(knobs.at("boxes")), across = static_cast<int>(std::ceil(std::sqrt(boxes)));
   const double width = 1, height = 0.5;
 
   struct Brick {

@@ -169,8 +169,7 @@ class Reader {
     const BodyId a = body_named(v["a"]), b = body_named(v["b"]);
     if (a == b) v["b"].fail("another body than a");
     const std::string text = label(v, a, b);
-    const Vec3 point = vector3(v["at"]);
-    const Vec3 point_b = v.has("at_b") ? vector3(v["at_b"]) : point;
+    const Vec3 point = vector3(v["at"]), point_b = v.has("at_b") ? vector3(v["at_b"]) : point;
     const Vec3 anchor_a = local(a, point), anchor_b = local(b, point_b);
     const Mat3 relative = pose_of(a).rotation.transpose() * pose_of(b).rotation;
     const auto axis = [&] { return direction(v["axis"]); };

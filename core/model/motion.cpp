@@ -26,7 +26,7 @@ Index free_columns(const Scene& scene) {
 
 }  // namespace
 
-void couple_to_targets(const Scene& scene, std::span<const Pose<double>> target, double k_s, Vector& z_u) {
+void couple_to_targets(const Scene& scene, PoseSpan target, double k_s, Vector& z_u) {
   require_one_per_body("target poses", target.size(), scene);
   z_u.resize(free_columns(scene));
   for_each_free(scene, [&](std::size_t b, Index column) {

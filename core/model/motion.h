@@ -13,7 +13,7 @@ namespace zwang {
 // Quasi-static god objects (Eq. 2): z_u = k_s (x_target - x_god), position and rotation vector stacked. `target` has
 // one pose per body; those of bodies that are not free are ignored. k_s [1/s^2]: 1/dt^2 reaches the target in one free
 // step of length dt. Throws std::invalid_argument when the numbers of bodies differ.
-void couple_to_targets(const Scene& scene, std::span<const Pose<double>> target, double k_s, Vector& z_u);
+void couple_to_targets(const Scene& scene, PoseSpan target, double k_s, Vector& z_u);
 inline double reaching_stiffness(double dt) { return 1 / (dt * dt); }
 
 // Dynamics (Newton-Euler): z_u = [g + f/m; I^-1 (tau - w x I w)]. `wrench` [N; N m] acts at the centres of mass in

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <span>
 
 #include <zwang/core/problem/types.h>
 
@@ -25,6 +26,8 @@ struct Pose {
   }
 };
 
+using PoseSpan = std::span<const Pose<double>>;
+
 // A part's pose, given in the axes of what it is `on`, in the world.
 inline Pose<double> placed(const Pose<double>& on, const Pose<double>& part) {
   return {on * part.position, on.rotation * part.rotation};
@@ -33,7 +36,9 @@ inline Pose<double> placed(const Pose<double>& on, const Pose<double>& part) {
 // skew(a) * b = a x b.
 template <class T>
 Mat<T, 3, 3> skew(const Vec<T, 3>& a) {
-  return (Mat<T, 3, 3>() << T(0), -a.z(), a.y(), a.z(), T(0), -a.x(), -a.y(), a.x(), T(0)).finished();
+  Mat<T, 3, 3> S;
+  S << T(0), -a.z(), a.y(), a.z(), T(0), -a.x(), -a.y(), a.x(), T(0);
+  return S;
 }
 
 // A scalar that carries N derivatives, numbers of type S each.
@@ -101,8 +106,10 @@ Vec<T, 3> rotation_vector(const Mat<T, 3, 3>& R) {
 // The twist that takes one pose to another: retract(from, twist_between(from, to)) = to.
 template <class T>
 Vec<T, 6> twist_between(const Pose<T>& from, const Pose<T>& to) {
-  const Vec<T, 3> turn = rotation_vector<T>(to.rotation * from.rotation.transpose());
-  return (Vec<T, 6>() << to.position - from.position, turn).finished();
+  Vec<T, 6> twist;
+  twist.template head<3>() = to.position - from.position;
+  twist.template tail<3>() = rotation_vector<T>(to.rotation * from.rotation.transpose());
+  return twist;
 }
 
 }  // namespace zwang

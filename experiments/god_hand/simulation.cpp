@@ -39,7 +39,7 @@ struct Simulation::State {
   State(Surroundings surroundings, const Options& options);
 
   // Takes the clusters over; `target` has their poses already. `easy`: as target, where a hand does not touch itself.
-  void build(std::vector<GodObjects> objects, std::span<const Pose<double>> easy);
+  void build(std::vector<GodObjects> objects, PoseSpan easy);
   void step();
   // Every number of the state between frames: visit(number), for writing and for reading.
   template <class Visit>
@@ -85,7 +85,7 @@ struct Simulation::State {
   }
 
  private:
-  void start(Cluster& cluster, std::span<const Pose<double>> at, std::span<const Pose<double>> easy);
+  void start(Cluster& cluster, PoseSpan at, PoseSpan easy);
   void step_physics();
   void meet();
   void step_god_objects();
@@ -105,7 +105,7 @@ Simulation::State::State(Surroundings surroundings_, const Options& options_)
   object_before = object;
 }
 
-void Simulation::State::build(std::vector<GodObjects> all, std::span<const Pose<double>> easy) {
+void Simulation::State::build(std::vector<GodObjects> all, PoseSpan easy) {
   for (GodObjects& objects : all) {
     clusters.emplace_back(std::move(objects), surroundings, options);
     first.push_back(first.back() + clusters.back().size());
@@ -123,11 +123,11 @@ void Simulation::State::build(std::vector<GodObjects> all, std::span<const Pose<
 
 // Where nothing touches, at once. Else from above all objects down to there, as far as the way is clear; if the pose
 // touches itself up there, from an easy one.
-void Simulation::State::start(Cluster& cluster, std::span<const Pose<double>> at, std::span<const Pose<double>> easy) {
+void Simulation::State::start(Cluster& cluster, PoseSpan at, PoseSpan easy) {
   cluster.place(at);
   if (cluster.gap(2 * options.gap) >= options.gap) return;
   const Vec3 up = surroundings.gravity.isZero() ? Vec3::UnitZ().eval() : (-surroundings.gravity.normalized()).eval();
-  for (const std::span<const Pose<double>> poses : {at, easy}) {
+  for (const PoseSpan poses : {at, easy}) {
     std::vector<Pose<double>> above(poses.begin(), poses.end());
     double lowest = up.dot(above[0].position);
     for (std::size_t b = 0; b < above.size(); ++b) {
@@ -359,7 +359,7 @@ Simulation::Simulation(Simulation&&) noexcept = default;
 
 void Simulation::watch(Watch watch) { state_->watch = std::move(watch); }
 
-std::span<const Pose<double>> Simulation::object_poses() const { return state_->object; }
+PoseSpan Simulation::object_poses() const { return state_->object; }
 
 const Problem& Simulation::problem(std::size_t cluster) const {
   const std::span<Cluster> clusters = state_->active();
@@ -386,7 +386,7 @@ const Frame& Simulation::step(std::span<const Target> targets) {
   return s.frame;
 }
 
-const Frame& Simulation::step(std::span<const Pose<double>> targets) {
+const Frame& Simulation::step(PoseSpan targets) {
   State& s = *state_;
   if (targets.size() != s.target.size())
     throw std::invalid_argument(counts(s.target.size(), " god objects, ", targets.size(), " targets"));

@@ -33,16 +33,15 @@ class Simulation {
   // that was. Valid until the next call.
   const Frame& step(std::span<const Target> targets);
   // The same with a pose for every god object, cluster after cluster.
-  const Frame& step(std::span<const Pose<double>> targets);
+  const Frame& step(PoseSpan targets);
 
   // Called with every motion that is committed: number of the first god object that moves, and from where to where the
   // cluster does, each body along retract(from, s * twist_between(from, to)).
-  using Watch =
-      std::function<void(std::size_t first, std::span<const Pose<double>> from, std::span<const Pose<double>> to)>;
+  using Watch = std::function<void(std::size_t first, PoseSpan from, PoseSpan to)>;
   void watch(Watch watch);
 
-  std::span<const Pose<double>> object_poses() const;  // of the surroundings, now
-  const Problem& problem(std::size_t cluster) const;   // of its last solve
+  PoseSpan object_poses() const;                      // of the surroundings, now
+  const Problem& problem(std::size_t cluster) const;  // of its last solve
   // The shapes of the god objects, in the order of Frame::god.
   std::vector<collision::Shape> shapes() const;
 

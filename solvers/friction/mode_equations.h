@@ -26,8 +26,8 @@ class ModeEquations {
   void linearize(const ConeProgram& program, const Vector& y, const Vector& s, bool anew);
   bool factorize(ConeProgram& program);  // false on a breakdown
   // Of the modes as they stand, and still the last that the program made? Also by another who shares the equations.
-  void forget_factor() { factor_ = 0; }
   bool has_factor(const ConeProgram& program) const { return factor_ != 0 && factor_ == program.factors(); }
+  void forget_factor() { factor_ = 0; }  // modes were changed
   void step(ConeProgram& program, Vector& v, Vector& y);
   double missed(const ConeProgram& program, const Vector& s) const;  // by rows that carry force, the most
   // An estimate from below of how short a combination of the rows that carry force is; 0 where one may be nearly

@@ -81,7 +81,7 @@ void Skeleton::close(std::span<Pose<double>> poses, bool limits) const {
   }
 }
 
-double Skeleton::separation(std::span<const Pose<double>> poses) const {
+double Skeleton::separation(PoseSpan poses) const {
   double most = 0;
   for (const Link& link : links_)
     std::visit(
@@ -93,7 +93,7 @@ double Skeleton::separation(std::span<const Pose<double>> poses) const {
   return most;
 }
 
-double Skeleton::excess(std::span<const Pose<double>> poses) const {
+double Skeleton::excess(PoseSpan poses) const {
   double most = 0;
   for (const Link& link : links_)
     for (const JointLimit& limit : link.limits)

@@ -37,8 +37,8 @@ class Skeleton {
   // `poses`: one per body at least. With `limits`, angles are kept within their ranges too.
   void close(std::span<Pose<double>> poses, bool limits) const;
 
-  double separation(std::span<const Pose<double>> poses) const;  // m, the largest gap between two anchors
-  double excess(std::span<const Pose<double>> poses) const;      // rad, how far the worst angle is beyond its range
+  double separation(PoseSpan poses) const;  // m, the largest gap between two anchors
+  double excess(PoseSpan poses) const;      // rad, how far the worst angle is beyond its range
 
  private:
   using Joint = std::variant<BallJoint, RevoluteJoint, UniversalJoint, Weld>;

@@ -28,7 +28,7 @@ Measures::Measures(const Surroundings& surroundings, std::span<const Cluster> cl
   for (auto* poses : {&memory_.god[0], &memory_.god[1], &memory_.target[0], &memory_.target[1]}) *poses = start_;
 }
 
-void Measures::begin(std::span<const Cluster> clusters, std::span<const Pose<double>> objects) {
+void Measures::begin(std::span<const Cluster> clusters, PoseSpan objects) {
   start_object_.assign(objects.begin(), objects.end());
   start_.clear();
   for (const Cluster& c : clusters) start_.insert(start_.end(), c.poses().begin(), c.poses().end());
@@ -51,8 +51,7 @@ void Measures::show(std::span<const Cluster> clusters, const Options& options, F
   frame.palm_wrench = frame.device[0];
 }
 
-void Measures::measure(std::span<Cluster> clusters, std::span<const Pose<double>> objects, const Options& options,
-                       Frame& frame) {
+void Measures::measure(std::span<Cluster> clusters, PoseSpan objects, const Options& options, Frame& frame) {
   std::size_t first = 0;
   for (Cluster& c : clusters) {
     frame.gap = std::min(frame.gap, c.gap(gap_reach));
@@ -121,7 +120,7 @@ double Measures::jitter(const Frame& frame) const {
 }
 
 // What is held, and whether it moves along the fingers.
-void Measures::measure_grip(std::span<const Pose<double>> objects, const Options& options, Frame& frame) {
+void Measures::measure_grip(PoseSpan objects, const Options& options, Frame& frame) {
   constexpr double settled = 0.5;   // s
   constexpr double nothing = 1e-6;  // N
   const bool rests = std::equal(frame.target.begin(), frame.target.end(), memory_.target[1].begin(), is_same);
@@ -149,7 +148,7 @@ void Measures::measure_grip(std::span<const Pose<double>> objects, const Options
 
 // How deep the targets are in the objects, and whether one that is clear of all of them is behind one: a very small
 // sphere that goes straight from the god object to it meets something.
-void Measures::measure_depth(std::span<const Pose<double>> objects, Frame& frame) {
+void Measures::measure_depth(PoseSpan objects, Frame& frame) {
   for (std::size_t o = 0; o < objects.size(); ++o) scenery_.place(sight_, o, objects[o]);
   for (std::size_t h = 0; h < balls_.size(); ++h) {
     hand::Poses hand;

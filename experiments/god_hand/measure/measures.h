@@ -17,12 +17,11 @@ class Measures {
   Measures(const Surroundings& surroundings, std::span<const Cluster> clusters, std::span<const hand::Model> models);
 
   // Before the god objects move.
-  void begin(std::span<const Cluster> clusters, std::span<const Pose<double>> objects);
+  void begin(std::span<const Cluster> clusters, PoseSpan objects);
   // After it: what a stream shows (docs/stream.md): poses, targets, held, the device's forces.
   void show(std::span<const Cluster> clusters, const Options& options, Frame& frame) const;
   // After that, all the rest. objects: the poses of all.
-  void measure(std::span<Cluster> clusters, std::span<const Pose<double>> objects, const Options& options,
-               Frame& frame);
+  void measure(std::span<Cluster> clusters, PoseSpan objects, const Options& options, Frame& frame);
 
   // What is kept from frame to frame: god objects and targets of the last two frames.
   struct Memory {
@@ -36,8 +35,8 @@ class Measures {
   double lost_slide(const Cluster& cluster) const;
   bool stuck(Cluster& cluster, std::size_t first) const;
   double jitter(const Frame& frame) const;
-  void measure_grip(std::span<const Pose<double>> objects, const Options& options, Frame& frame);
-  void measure_depth(std::span<const Pose<double>> objects, Frame& frame);
+  void measure_grip(PoseSpan objects, const Options& options, Frame& frame);
+  void measure_depth(PoseSpan objects, Frame& frame);
 
   std::vector<std::vector<Ball>> balls_;  // by hand
   Depth depth_;

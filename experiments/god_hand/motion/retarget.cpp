@@ -32,8 +32,7 @@ Residual residual(const Model& model, const Target& at, const RecordedHand& to, 
 
     const Mat3& first = poses[1 + 3 * f].rotation;
     const double side = model.left ? -1 : 1, b = side * at.angles[4 * f + 1];
-    const Vec3 sideways = side * first.col(2);
-    const Vec3 flexion = -(first * Vec3(std::cos(b), -std::sin(b), 0));
+    const Vec3 sideways = side * first.col(2), flexion = -(first * Vec3(std::cos(b), -std::sin(b), 0));
     const std::array<Vec3, 4> axis{flexion, sideways, -first.col(0), -first.col(0)};
     const std::array<std::size_t, 4> joint{0, 0, 1, 2};
     for (std::size_t k = 0; k < 4; ++k) {

@@ -167,7 +167,7 @@ HandStudy study_hand(const HandScene& scene, const Surroundings& surroundings, d
   Audit audit({shapes}, obstacles);
   std::vector<Pose<double>> between(shapes.size());
   if (audited)
-    simulation.watch([&](std::size_t, std::span<const Pose<double>> from, std::span<const Pose<double>> to) {
+    simulation.watch([&](std::size_t, PoseSpan from, PoseSpan to) {
       const std::vector<Pose<double>> others = met_poses(parts, simulation.object_poses());
       double jumps = 1;
       for (std::size_t b = 0; b < shapes.size(); ++b) {

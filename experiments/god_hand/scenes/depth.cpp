@@ -110,7 +110,7 @@ Depth::Depth(const Surroundings& surroundings) {
 }
 Depth::~Depth() = default;
 
-double Depth::distance(const Vec3& point, std::size_t object, double reach, std::span<const Pose<double>> poses) const {
+double Depth::distance(const Vec3& point, std::size_t object, double reach, PoseSpan poses) const {
   const Pose<double>& pose = poses.empty() ? volumes_[object].pose : poses[object];
   return volumes_[object].distance(pose.rotation.transpose() * (point - pose.position), reach);
 }
@@ -120,8 +120,7 @@ double Depth::distance(const Vec3& point, double reach) const {
   return reach;
 }
 
-double Depth::of(const hand::Poses& hand, std::span<const Ball> balls, double reach,
-                 std::span<const Pose<double>> poses) const {
+double Depth::of(const hand::Poses& hand, std::span<const Ball> balls, double reach, PoseSpan poses) const {
   double deepest = -reach;
   for (const Ball& ball : balls) {
     const Vec3 p = hand[at(ball.body)] * ball.at;

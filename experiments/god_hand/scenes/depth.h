@@ -30,12 +30,11 @@ class Depth {
 
   // m, from a point to an object's surface, negative inside; where that is more than `reach` >= 0, reach. The
   // objects stand as in the surroundings, or at `poses` (one per object).
-  double distance(const Vec3& point, std::size_t object, double reach, std::span<const Pose<double>> poses = {}) const;
+  double distance(const Vec3& point, std::size_t object, double reach, PoseSpan poses = {}) const;
   double distance(const Vec3& point, double reach) const;  // to all, as in the surroundings
 
   // m, of the deepest ball; negative: all are clear by that, -reach: by at least that.
-  double of(const hand::Poses& hand, std::span<const Ball> balls, double reach = 0,
-            std::span<const Pose<double>> poses = {}) const;
+  double of(const hand::Poses& hand, std::span<const Ball> balls, double reach = 0, PoseSpan poses = {}) const;
 
  private:
   struct Volume;

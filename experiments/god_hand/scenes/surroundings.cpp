@@ -14,7 +14,7 @@ std::vector<MetPart> met_parts(const Surroundings& surroundings) {
   return parts;
 }
 
-std::vector<Pose<double>> met_poses(std::span<const MetPart> parts, std::span<const Pose<double>> objects) {
+std::vector<Pose<double>> met_poses(std::span<const MetPart> parts, PoseSpan objects) {
   return mapped(parts, [&](const MetPart& part) { return placed(objects[part.object], part.at); });
 }
 

@@ -49,7 +49,7 @@ struct Surroundings {
 
 // Object after object; and where they are while the objects are at these poses.
 std::vector<MetPart> met_parts(const Surroundings& surroundings);
-std::vector<Pose<double>> met_poses(std::span<const MetPart> parts, std::span<const Pose<double>> objects);
+std::vector<Pose<double>> met_poses(std::span<const MetPart> parts, PoseSpan objects);
 
 // m, from the origin of a shape to its farthest point.
 inline double reach_of(const collision::Shape& shape) { return shape.reach() + shape.radius(); }

@@ -38,7 +38,7 @@ Cluster::Cluster(GodObjects objects, const Surroundings& surroundings, const Opt
   place(pose_);
 }
 
-void Cluster::place(std::span<const Pose<double>> poses) {
+void Cluster::place(PoseSpan poses) {
   std::vector<Pose<double>> closed(poses.begin(), poses.end());
   skeleton_.close(closed, options_.limits == Options::Limits::predictive);
   follow(followed_, objects_.scene.bodies, 1);
@@ -69,8 +69,7 @@ void Cluster::place_object(std::size_t object, const Pose<double>& pose) {
   contacts_.place_object(object, pose);
 }
 
-void Cluster::carry(std::span<const Vec<double, 6>> motion, std::span<const std::size_t> held,
-                    std::span<const Pose<double>> now) {
+void Cluster::carry(std::span<const Vec<double, 6>> motion, std::span<const std::size_t> held, PoseSpan now) {
   for (std::size_t b = 0; b < size(); ++b) end_[b] = retract(pose_[b], motion[b]);
   skeleton_.close(end_, options_.limits == Options::Limits::predictive);
   const bool clear = way_is_clear_with(contacts_, pose_, end_, held, std::span(objects_.scene.bodies).subspan(size()),
@@ -90,14 +89,14 @@ bool Cluster::put_back() {
   return true;
 }
 
-void Cluster::stand_at(std::span<const Pose<double>> poses) {
+void Cluster::stand_at(PoseSpan poses) {
   for (std::size_t b = 0; b < size(); ++b) {
     objects_.scene.bodies[b].pose = pose_[b] = poses[b];
     contacts_.place(static_cast<BodyId>(b), pose_[b]);
   }
 }
 
-void Cluster::aim(std::span<const Pose<double>> targets) {
+void Cluster::aim(PoseSpan targets) {
   std::copy(targets.begin(), targets.end(), end_.begin());
   skeleton_.close(end_, options_.limits == Options::Limits::predictive);
   for (std::size_t b = 0; b < size(); ++b) {
@@ -248,7 +247,7 @@ void Cluster::bound() {
 }
 
 // Gauss' function of what is left to the targets from the poses, less a motion [kg m^2].
-double Cluster::constraint(std::span<const Pose<double>> poses, std::span<const Vec<double, 6>> less) const {
+double Cluster::constraint(PoseSpan poses, std::span<const Vec<double, 6>> less) const {
   double sum = 0;
   for (std::size_t b = 0; b < size(); ++b) {
     const Body& body = objects_.scene.bodies[b];

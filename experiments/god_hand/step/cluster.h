@@ -31,11 +31,11 @@ class Cluster {
   std::size_t size() const { return objects_.shapes.size(); }
   const GodObjects& objects() const { return objects_; }
   const Skeleton& skeleton() const { return skeleton_; }
-  std::span<const Pose<double>> poses() const { return pose_; }
-  std::span<const Pose<double>> targets() const { return std::span(target_).first(size()); }
+  PoseSpan poses() const { return pose_; }
+  PoseSpan targets() const { return std::span(target_).first(size()); }
 
   // Poses of all god objects, put onto joints and limits. Forgets what earlier frames left behind.
-  void place(std::span<const Pose<double>> poses);
+  void place(PoseSpan poses);
 
   // What the next sub-step tries first: the targets themselves; the linear step, if a contact presses, since the last
   // one was blocked; or the linear step, since almost nothing was left of the straight way.
@@ -67,13 +67,12 @@ class Cluster {
   }
   // Along with what it holds: one step of all of them [m, rad; by god object], while the engine has moved the objects
   // from where they are for the cluster to `now` (by object). Nothing where that way is not clear.
-  void carry(std::span<const Vec<double, 6>> motion, std::span<const std::size_t> held,
-             std::span<const Pose<double>> now);
+  void carry(std::span<const Vec<double, 6>> motion, std::span<const std::size_t> held, PoseSpan now);
   // To where it was before it was carried. False where it was not, in this frame.
   bool put_back();
 
   // A frame: where the god objects are tracked.
-  void aim(std::span<const Pose<double>> targets);
+  void aim(PoseSpan targets);
   // A sub-step in two halves: the time of contact of what it would do; then doing it up to a time, at most that one.
   double propose(Frame& frame);
   void commit(double toc, Frame& frame);
@@ -84,8 +83,8 @@ class Cluster {
   double lambda(std::size_t row) const;  // N, of a contact row
   Vec3 friction(std::size_t row) const;  // N, on the god object, world
   int object_of(int collider) const { return contacts_.object_of(collider); }
-  Vec<double, 6> contact_row(std::size_t row, BodyId body) const;         // of J, a god object's part
-  std::span<const Pose<double>> solved_at() const { return solved_at_; }  // where the god objects stood then
+  Vec<double, 6> contact_row(std::size_t row, BodyId body) const;  // of J, a god object's part
+  PoseSpan solved_at() const { return solved_at_; }                // where the god objects stood then
   const Problem& problem() const { return problem_; }
   // The contacts that the last problem was written from.
   const ConstraintListOf<Contact>& contacts() const { return *written_; }
@@ -96,7 +95,7 @@ class Cluster {
   // of that, with more to go; the linear step.
   enum class Way { none, straight, leg, linear };
 
-  void stand_at(std::span<const Pose<double>> poses);
+  void stand_at(PoseSpan poses);
   bool printed() const { return options_.commit == Options::Commit::printed; }
   bool met() const { return options_.rows == Options::Rows::met; }
   bool may_go_straight(bool pressing) const;
@@ -107,7 +106,7 @@ class Cluster {
   bool solve_lazily(Frame& frame);
   bool presses() const;
   double longest(std::span<const Vec<double, 6>> ways) const;  // m, that a point of a god object goes at most
-  double constraint(std::span<const Pose<double>> poses, std::span<const Vec<double, 6>> less) const;
+  double constraint(PoseSpan poses, std::span<const Vec<double, 6>> less) const;
   void damp(Frame& frame);
   void slow_down();
   void bound();

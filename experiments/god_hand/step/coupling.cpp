@@ -37,7 +37,7 @@ Coupling::Coupling(const Surroundings& surroundings, const Options& options, std
 
 // Targets that are the same to the bit are no news: a tracker is slower than the loop, or missed a step. Taken for
 // rest, they would shake the damper of a grip by the whole speed each time, and what it holds would slip.
-void Coupling::aim(std::size_t cluster, std::span<const Pose<double>> last, std::span<const Pose<double>> now) {
+void Coupling::aim(std::size_t cluster, PoseSpan last, PoseSpan now) {
   std::vector<Vec<double, 6>>& velocity = memory_.target_velocity[cluster];
   double &since = memory_.since[cluster], &between = memory_.between[cluster];
   since += options_.dt;
@@ -65,7 +65,7 @@ void Coupling::observe(std::size_t object, const Vec<double, 6>& before, const V
   other_[object] -= memory_.wrench[object];
 }
 
-void Coupling::carry(std::span<Cluster> clusters, std::span<const Pose<double>> now) const {
+void Coupling::carry(std::span<Cluster> clusters, PoseSpan now) const {
   for (std::size_t c = 0; c < grasps_.size(); ++c) {
     clusters[c].set_lead(grasps_[c].lead());
     if (!grasps_[c].held().empty()) clusters[c].carry(grasps_[c].motion(), grasps_[c].held(), now);

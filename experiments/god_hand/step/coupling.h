@@ -36,13 +36,13 @@ class Coupling {
   Coupling(const Surroundings& surroundings, const Options& options, std::span<const Cluster> clusters);
 
   // Before the step: how fast the targets go. `last`, `now`: of all god objects of a cluster.
-  void aim(std::size_t cluster, std::span<const Pose<double>> last, std::span<const Pose<double>> now);
+  void aim(std::size_t cluster, PoseSpan last, PoseSpan now);
 
   // Before it, too: what else acted on an object in the engine's step [N; N m], beside gravity and wrenches().
   void observe(std::size_t object, const Vec<double, 6>& before, const Vec<double, 6>& after, const Mat3& rotation);
 
   // The clusters that hold something go with it, to where the engine has put the objects.
-  void carry(std::span<Cluster> clusters, std::span<const Pose<double>> now) const;
+  void carry(std::span<Cluster> clusters, PoseSpan now) const;
 
   // After it: the wrenches of the next step, and the frame's contacts, work and errors.
   void push(std::span<const Cluster> clusters, const Physics* physics, Frame& frame);

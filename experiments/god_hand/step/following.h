@@ -38,11 +38,10 @@ inline void follow(std::span<Pose<double>> followed, std::span<const Body> bodie
 // by object)? Two sweeps: among everything but what is held; then, for each object held, relative to it, from where
 // they would be had they gone with it. Leaves the god objects in `contacts` anywhere, and what is held at `now`. `step`
 // and `along` are storage, one for each god object.
-inline bool way_is_clear_with(Contacts& contacts, std::span<const Pose<double>> from, std::span<const Pose<double>> to,
-                              std::span<const std::size_t> held, std::span<const Body> objects,
-                              std::span<const Pose<double>> now, std::span<Vec<double, 6>> step,
+inline bool way_is_clear_with(Contacts& contacts, PoseSpan from, PoseSpan to, std::span<const std::size_t> held,
+                              std::span<const Body> objects, PoseSpan now, std::span<Vec<double, 6>> step,
                               std::vector<Pose<double>>& along) {
-  const auto clear = [&](std::span<const Pose<double>> start) {
+  const auto clear = [&](PoseSpan start) {
     for (std::size_t b = 0; b < to.size(); ++b) {
       contacts.place(static_cast<BodyId>(b), start[b]);
       step[b] = twist_between(start[b], to[b]);

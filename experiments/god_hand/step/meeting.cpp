@@ -16,7 +16,7 @@ Meeting::Meeting(GodObjects both, std::size_t first_hand, const Surroundings& su
   }
 }
 
-bool Meeting::near(std::span<const Pose<double>> poses, std::span<const Pose<double>> targets) {
+bool Meeting::near(PoseSpan poses, PoseSpan targets) {
   moves_.clear();
   for (std::size_t b = 0; b < poses.size(); ++b) {
     world_.place(static_cast<int>(b), poses[b]);
@@ -25,7 +25,7 @@ bool Meeting::near(std::span<const Pose<double>> poses, std::span<const Pose<dou
   return !world_.touches(reach_).empty() || world_.time_of_contact(moves_).time < 1;
 }
 
-bool Meeting::decide(std::span<Cluster> hands, std::span<const Pose<double>> targets) {
+bool Meeting::decide(std::span<Cluster> hands, PoseSpan targets) {
   poses_.clear();
   if (together_)
     poses_.assign(both_.poses().begin(), both_.poses().end());

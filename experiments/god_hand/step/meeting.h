@@ -22,10 +22,10 @@ class Meeting {
   // Before a frame toward these targets (of all god objects): are the hands to be one cluster in it? If that is another
   // answer than before, the state goes over. Hands that are inside each other, as only a start can have them, pass
   // through until they are clear. Returns whether it changed.
-  bool decide(std::span<Cluster> hands, std::span<const Pose<double>> targets);
+  bool decide(std::span<Cluster> hands, PoseSpan targets);
 
  private:
-  bool near(std::span<const Pose<double>> poses, std::span<const Pose<double>> targets);
+  bool near(PoseSpan poses, PoseSpan targets);
 
   Cluster both_;
   std::size_t first_hand_;  // god objects

@@ -56,8 +56,7 @@ void Resolution::place(collision::World& world, const Loose& loose) const {
     world.place(c, placed(loose.pose, objects_[loose.object].pieces[static_cast<std::size_t>(c - loose.first)].at));
 }
 
-void Resolution::read(const Physics& physics, std::span<const Pose<double>> before,
-                      std::span<const Pose<double>> gods) {
+void Resolution::read(const Physics& physics, PoseSpan before, PoseSpan gods) {
   god_pose_.assign(gods.begin(), gods.end());
   for (Loose& loose : loose_) {
     loose.pose = physics.pose(loose.object);
@@ -144,8 +143,7 @@ void Resolution::put_back(Loose& loose, Resolved& out) {
   ++out.returned;
 }
 
-Resolved Resolution::resolve(Physics& physics, std::span<const Pose<double>> before,
-                             std::span<const Pose<double>> gods) {
+Resolved Resolution::resolve(Physics& physics, PoseSpan before, PoseSpan gods) {
   Resolved out;
   read(physics, before, gods);
   if (std::none_of(loose_.begin(), loose_.end(), [](const Loose& l) { return l.near; })) return out;

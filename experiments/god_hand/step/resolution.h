@@ -27,7 +27,7 @@ class Resolution {
 
   // before: by object of the surroundings (fixed ones: not looked at), where it was before the engine's step, clear of
   // the god objects, which stand at `gods` since then. Afterwards every loose object is clear of them again.
-  Resolved resolve(Physics& physics, std::span<const Pose<double>> before, std::span<const Pose<double>> gods);
+  Resolved resolve(Physics& physics, PoseSpan before, PoseSpan gods);
 
  private:
   struct Loose {
@@ -55,7 +55,7 @@ class Resolution {
     Vec3 normal, point;  // away from the god object; on the loose one; world
   };
 
-  void read(const Physics& physics, std::span<const Pose<double>> before, std::span<const Pose<double>> gods);
+  void read(const Physics& physics, PoseSpan before, PoseSpan gods);
   void place(collision::World& world, const Loose& loose) const;
   bool sweep(Loose& loose);
   Lever lever(Loose& loose, const Vec3& point, const Vec3& normal) const;
