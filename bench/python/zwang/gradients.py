@@ -644,13 +644,15 @@ def numbers(value, name):
         raise ValueError(f"{name} should be numbers: {str(bad).splitlines()[0]}") from None
 
 
-def plain(value, name):
-    """A line of doubles, for who finds out by itself whether it has the right size and is finite."""
-    return value if type(value) is numpy.ndarray and value.dtype is DOUBLE and value.ndim == 1 else numbers(value, name)
+def plain(value, name, problem):
+    """finite(); but size and entries of a line of doubles are left to the C++ that reads them, and refuses them."""
+    if type(value) is numpy.ndarray and value.dtype is DOUBLE and value.ndim == 1 and value.size:
+        return value
+    return finite(value, name, problem.size)
 
 
 def finite(value, name, size):
-    v = plain(value, name)
+    v = value if type(value) is numpy.ndarray and value.dtype is DOUBLE else numbers(value, name)
     if v.shape != (size,) or not (math.isfinite(v @ v) or numpy.isfinite(v).all()):  # the first is cheap, and may overflow
         raise ValueError(f"{name} should have {size} finite entries")
     return v

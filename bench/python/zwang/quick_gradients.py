@@ -82,7 +82,7 @@ class QuickGradient(Kink):
         """As Gradient.jvp; its Derivative has no enclosure and no reach."""
         p, force, moved, bends = self.problem, NONE, NONE, False
         if dM is None and dJ is None and not self.laid:
-            dz_u = NONE if dz_u is None else plain(dz_u, "dz_u")
+            dz_u = NONE if dz_u is None else plain(dz_u, "dz_u", p)
             moved = NONE if dc is None else -finite(dc, "dc", p.rows)
             dmu = NONE if dmu is None else read(p, finite(dmu, "dmu", p.rows))
             sides = (dz_u, force, moved, dmu) if moved.size or dmu.size else (dz_u,)
@@ -116,7 +116,7 @@ class QuickGradient(Kink):
         p, names = self.problem, wrt if type(wrt) is tuple else wanted(wrt)
         if self.kink:
             raise ValueError(f"no gradient: kink: {', '.join(self.kink_names)}")
-        z_bar = plain(z_bar, "z_bar")
+        z_bar = plain(z_bar, "z_bar", p)
         lambda_bar = NONE if lambda_bar is None else finite(lambda_bar, "lambda_bar", p.rows)
         try:
             out, unique = self.keeps.back(z_bar, lambda_bar, NAMES if self.laid else names)

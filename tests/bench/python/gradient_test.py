@@ -662,6 +662,20 @@ class WithoutProof(unittest.TestCase):
     def near(self, got, exact, size):
         numpy.testing.assert_allclose(got, [float(e) for e in exact], rtol=0, atol=1e-11 * size)
 
+    def test_what_is_no_direction_is_said(self):
+        p = zwang.scene("hand(contacts=4)")
+        g, n = zwang.gradient_of(p, zwang.solve(p), proof=False), p.size
+        one, bad = numpy.ones(n), numpy.r_[numpy.ones(n - 1), numpy.nan]
+        for name, ask in (("dz_u", lambda v: g.jvp(dz_u=v)), ("z_bar", g.vjp)):
+            for v, says in ((bad, f"{n} finite entries"), (one[1:], f"{n} finite entries"), (one[:0], f"{n} finite entries"),
+                            (one[:, None], f"{n} finite entries"), (one + 1j, "numbers: it has complex entries"), ("a", "numbers")):
+                with self.subTest(name=name, says=says), self.assertRaisesRegex(ValueError, f"^{name} should (have|be) {says}"):
+                    ask(v)
+        for wrt in ((), ("Q",), (1,), (["M"],), [["M"]], "Q"):
+            with self.subTest(wrt=wrt), self.assertRaisesRegex(ValueError, "^wrt should be names among M, z_u, J, c, mu"):
+                g.vjp(one, wrt=wrt)
+        numpy.testing.assert_array_equal(g.jvp(dz_u=numpy.arange(2.0 * n)[::2]).dz, g.jvp(dz_u=list(range(0, 2 * n, 2))).dz)
+
     FIRST = {"convex": (228, 377, 385), "coulomb": (350,)}  # tangent rows without entries; what much larger motions leave
 
     def test_planted_problems_of_all_laws(self):
