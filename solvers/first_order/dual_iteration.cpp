@@ -6,6 +6,7 @@
 #include <utility>
 
 #include <zwang/solvers/form/bound_inside.h>
+#include <zwang/solvers/form/unit_rows.h>
 
 namespace zwang {
 namespace {

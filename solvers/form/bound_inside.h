@@ -3,30 +3,9 @@
 #include <span>
 
 #include <zwang/solvers/form/whiten.h>
-#include <zwang/solvers/linalg/block_cholesky.h>
 #include <zwang/solvers/linalg/tolerances.h>
 
 namespace zwang {
-
-// Does an equality row so nearly repeat others that no answer has a bound (least_share() is 0)? False where to know
-// that takes longer than a look. `g`: the entries of rows that are not whitened.
-inline bool repeats_equalities(const Whitened& rows, const SparseRows* g = nullptr) {
-  const Index entries = g ? std::ssize(g->value) : rows.G.nonZeros(), k = std::ranges::count(rows.equality, 1);
-  if (k == 0 || k * k * rows.size() > 100 * entries) return false;
-  Matrix basis = Matrix::Zero(rows.size(), k);
-  Vector y;
-  for (Index i = 0, e = 0; i < rows.rows(); ++i) {
-    if (!rows.equality[at(i)]) continue;
-    y.setZero(rows.size());
-    if (!g) rows.add(i, 1.0, y);
-    for (int p = g ? g->begin[at(i)] : 0; g && p < g->begin[at(i) + 1]; ++p) y[g->column[at(p)]] = g->value[at(p)];
-    if (g) rows.factor.solve_lower(y);
-    for (Index j = 0; j < e; ++j) y -= basis.col(j).dot(y) * basis.col(j);
-    if (!(10 * y.norm() > std::sqrt(tolerances::promise_softness))) return true;
-    basis.col(e++) = y.normalized();
-  }
-  return false;
-}
 
 // Of multipliers t := (I + S / softness)^-1 t that were drawn at random, p passes leave at least what they do of the
 // part along the shortest, which is taken to be promise_part of them or more: a choice, not a theorem. So the length

@@ -5,8 +5,6 @@
 #include <limits>
 #include <span>
 
-#include <zwang/solvers/form/bound_inside.h>
-
 namespace zwang {
 namespace {
 

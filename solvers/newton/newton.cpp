@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include <zwang/solvers/form/bound_inside.h>
 #include <zwang/solvers/solver_entry.h>
 
 namespace zwang {
