@@ -198,7 +198,7 @@ inline constexpr double promise_touching = 1e-9, promise_near = 1e-3;
 // A derivative (solvers/friction/solution_derivative.h), relative to the motion. What is nearer to another mode is a
 // tie; the softness of its rows; what the next step would move forces by, times the root of it, where passes end; a row
 // that neither opens nor is violated; rows that are met; and, in squares, larger motions that all but undo each other.
-inline constexpr double derivative_tie = 1e-8, derivative_softness = 1e-9, derivative_ends = 0x1p-61;
+inline constexpr double derivative_tie = 1e-8, derivative_softness = 1e-9, derivative_ends = 0x1p-64;
 inline constexpr double derivative_still = 1e-12, derivative_meets = 1e-9, derivative_undone = 1e4;
 // Directions up to this length, and down to its inverse, have squares that are doubles.
 inline constexpr double derivative_length = 1e150;
