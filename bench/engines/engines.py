@@ -13,7 +13,6 @@ import os
 import pathlib
 import shlex
 import shutil
-import signal
 import sys
 import tempfile
 import time
@@ -305,15 +304,6 @@ def main(words):
 
 
 if __name__ == "__main__":
-    try:
-        try:
-            code = main(sys.argv[1:])
-        finally:
-            sys.stdout.flush()
-    except BrokenPipeError:  # nobody reads on: ended as any other program is
-        signal.signal(signal.SIGPIPE, signal.SIG_DFL)
-        os.kill(os.getpid(), signal.SIGPIPE)
-    except OSError as bad:
-        print(f"{bad.filename or 'output'}: {bad.strerror}", file=sys.stderr)
-        os._exit(3)  # nothing is written once more
-    sys.exit(code)
+    sys.path.append(str(ROOT / "bench/program"))
+    from held import end_by
+    end_by(main, sys.argv[1:])

@@ -113,7 +113,7 @@ class QuickGradient(Kink):
 
     def vjp(self, z_bar, lambda_bar=None, wrt=NAMES):
         """As Gradient.vjp."""
-        p, names = self.problem, wrt if type(wrt) is tuple else wanted(wrt)
+        p, names = self.problem, wrt if type(wrt) is tuple and not self.laid else wanted(wrt)  # else the C++ refuses wrong ones
         if self.kink:
             raise ValueError(f"no gradient: kink: {', '.join(self.kink_names)}")
         z_bar = plain(z_bar, "z_bar", p)

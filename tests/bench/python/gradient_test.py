@@ -665,6 +665,8 @@ class WithoutProof(unittest.TestCase):
     def test_what_is_no_direction_is_said(self):
         p = zwang.scene("hand(contacts=4)")
         g, n = zwang.gradient_of(p, zwang.solve(p), proof=False), p.size
+        rubs = zwang.scene("crate", mu=0.5)
+        under = zwang.gradient_of(rubs, zwang.solve(rubs, law="pyramid"), law="pyramid", proof=False)
         one, bad = numpy.ones(n), numpy.r_[numpy.ones(n - 1), numpy.nan]
         for name, ask in (("dz_u", lambda v: g.jvp(dz_u=v)), ("z_bar", g.vjp)):
             for v, says in ((bad, f"{n} finite entries"), (one[1:], f"{n} finite entries"), (one[:0], f"{n} finite entries"),
@@ -674,6 +676,8 @@ class WithoutProof(unittest.TestCase):
         for wrt in ((), ("Q",), (1,), (["M"],), [["M"]], "Q"):
             with self.subTest(wrt=wrt), self.assertRaisesRegex(ValueError, "^wrt should be names among M, z_u, J, c, mu"):
                 g.vjp(one, wrt=wrt)
+            with self.subTest(wrt=wrt, law="pyramid"), self.assertRaisesRegex(ValueError, "^wrt should be names among M, z_u, J, c, mu"):
+                under.vjp(numpy.ones(rubs.size), wrt=wrt)
         numpy.testing.assert_array_equal(g.jvp(dz_u=numpy.arange(2.0 * n)[::2]).dz, g.jvp(dz_u=list(range(0, 2 * n, 2))).dz)
 
     FIRST = {"convex": (228, 377, 385), "coulomb": (350,)}  # tangent rows without entries; what much larger motions leave
