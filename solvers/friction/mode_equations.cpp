@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include <zwang/core/problem/mix_bits.h>
 #include <zwang/solvers/form/bound_inside.h>
@@ -110,20 +111,34 @@ void ModeEquations::pull(const ConeProgram& program, const Vector& missed, Vecto
 }
 
 double ModeEquations::least_share(ConeProgram& program) {
-  ConeFace& face = program.face();
-  pulled_.setZero(program.rows());
   for (Index i = 0; i < ds.size(); ++i) {
     const std::uint64_t bits = mix_bits(static_cast<std::uint64_t>(i) + 1);
     ds[i] = program.source(i) >= 0 ? 0.5 + std::ldexp(static_cast<double>(bits >> 11), -53) : 0;
   }
   pull(program, ds, next);
-  return zwang::least_share(next, softness, most_passes, [&] {
-    face.force(next, dv);
-    face.solve(dv);
-    face.slack(dv, ds);
-    pull(program, ds, pulled_);
-    next -= pulled_;
-  });
+  pulled_.setZero(program.rows());
+  return zwang::least_share(next, softness, most_passes, [&] { take_up(program); });
+}
+
+void ModeEquations::take_up(ConeProgram& program) {
+  ConeFace& face = program.face();
+  face.force(next, dv);
+  face.solve(dv);
+  face.slack(dv, ds);
+  pull(program, ds, pulled_);
+  next -= pulled_;
+}
+
+bool ModeEquations::keep_still(ConeProgram& program, const Vector& forces) {
+  next = forces;
+  pulled_.setZero(program.rows());
+  const double vanished = tolerances::promise_vanished * forces.norm();
+  double before = infinity, moved = infinity;
+  do {
+    take_up(program);
+    before = std::exchange(moved, pulled_.norm());
+  } while (next.norm() > vanished && moved > tolerances::derivative_still * next.norm() && moved < before / 2);
+  return next.norm() > vanished && moved <= tolerances::derivative_still * next.norm();
 }
 
 bool ModeEquations::begin_change(ConeProgram& program, const Vector& y, const Vector& s, bool back) {

@@ -33,6 +33,8 @@ class ModeEquations {
   // An estimate from below of how short a combination of the rows that carry force is; 0 where one may be nearly
   // nothing. By the factor at hand.
   double least_share(ConeProgram& program);
+  // next: of forces what moves nothing, where that is more than rounding.
+  bool keep_still(ConeProgram& program, const Vector& forces);
 
   // How an answer changes while its modes stay: the same equations, linear in a change (y, s) of it. begin_change() is
   // at the answer, aim() in place of linearize(). `back`: of the transposed equations.
@@ -41,6 +43,7 @@ class ModeEquations {
   static constexpr int most_passes = 12;  // by one factor
 
  private:
+  void take_up(ConeProgram& program);  // of next what the rows' motion takes up
   void pull(const ConeProgram& program, const Vector& missed, Vector& force) const;
   std::vector<double> D_;
   Vector ray_weight_, mass_, pulled_;

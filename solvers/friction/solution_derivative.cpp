@@ -25,6 +25,8 @@ Workspace& workspace() {
   return work;
 }
 
+Deadline most_time() { return Deadline(60); }  // s
+
 }  // namespace
 
 NullSpaceForm& SolutionDerivative::form() { return workspace().form; }
@@ -63,6 +65,7 @@ SolutionDerivative::SolutionDerivative(const Problem& p, const Values& z, const 
   by_mu.setZero(p.rows());
   std::vector<Index> held;
   held.reserve(at(p.rows()));
+  double apart = 0;  // ties
   const double zero = tolerances::derivative_tie * motion, opening = ConeLaw::of(p.law).opening();
   for (Index i = 0, tangents = 0; i < p.rows(); i += 1 + tangents) {
     tangents = p.has_tangents() ? p.tangents(i) : 0;
@@ -80,6 +83,7 @@ SolutionDerivative::SolutionDerivative(const Problem& p, const Values& z, const 
     if (!holds && gap > zero) continue;
     if (!holds || (spare <= zero && slides <= zero)) {
       ties.push_back(i);
+      apart = std::max(apart, gap);
       ties_rub = ties_rub || mu > 0;
       continue;
     }
@@ -96,9 +100,73 @@ SolutionDerivative::SolutionDerivative(const Problem& p, const Values& z, const 
   held.insert(held.end(), ties.begin(), ties.end());
   rows = Eigen::Map<const VectorX<Index>>(held.data(), std::ssize(held));
   change_.c(rows).setZero();
-  if (mode_.empty()) return;
-  change_.mu = p.mu;
-  for (const Index i : ties) change_.mu[i] = 0;
+  if (!mode_.empty()) {
+    change_.mu = p.mu;
+    for (const Index i : ties) change_.mu[i] = 0;
+  }
+  if (!ties.empty() && !ties_rub && !slides() && off <= zero && apart <= tolerances::derivative_still * motion)
+    share_load();
+}
+
+// Where a load is shared, other forces do the same, and a tie that pushes by one of them is none: forces that move
+// nothing, and pull at no tie. They are looked for from those that lead to the least forces: ties that do not push are
+// made to, and the part that moves nothing is kept, by turns.
+void SolutionDerivative::share_load() {
+  Workspace& work = workspace();
+  ModeEquations& equations = work.equations;
+  build();
+  equations.active.assign(equations.active.size(), 1);
+  factorize(false);
+  work.is_whole = true;
+  work.owner = number_;
+  std::vector<Index> push, at_ties;
+  for (Index i = 3 * work.program.cones(); i < work.program.rows(); ++i)
+    if (std::ranges::binary_search(ties, work.program.source(i))) at_ties.push_back(i);
+  work.push = -work.push;
+  bool pulls = true;
+  constexpr int most_turns = 8;
+  for (int turn = 0; pulls && turn < most_turns; ++turn) {
+    const double size = work.push.lpNorm<Eigen::Infinity>();
+    for (const Index i : at_ties) work.push[i] = std::max(work.push[i], size > 0 ? size / 8 : 1);
+    if (!equations.keep_still(work.program, work.push)) return;
+    work.push = equations.next;
+    const double least = tolerances::promise_part * work.push.lpNorm<Eigen::Infinity>();
+    pulls = false;
+    push.clear();
+    for (const Index i : at_ties) {
+      pulls = pulls || work.push[i] < -least;
+      if (work.push[i] > least) push.push_back(work.program.source(i));
+    }
+  }
+  if (pulls || push.empty()) return;
+  is_unique_ = false;
+  std::ranges::sort(push);
+  const auto shares = [&](Index i) { return std::ranges::binary_search(push, i); };
+  std::erase_if(ties, shares);
+  std::stable_partition(rows.begin(), rows.end(), [&](Index i) { return !std::ranges::binary_search(ties, i); });
+}
+
+void SolutionDerivative::build() {
+  Workspace& work = workspace();
+  if (std::exchange(work.owner, 0) == number_) return;
+  ConeProgram& program = work.program;
+  change_.z_u.setZero(change_.M.cols());
+  const bool built = program.build(change_, ConeProgram::Want::sparse, {}, most_time(), work.answer, &work.form);
+  if (!built && work.answer.status == Status::bad_input) throw std::invalid_argument(work.answer.message.c_str());
+  if (!built || program.cones() != std::ssize(mode_)) throw std::invalid_argument("a row without entries pushes");
+  work.equations.begin(program);
+  work.equations.mode = mode_;
+  if (program.law().lifts() && work.equations.slides() && !program.is_dense()) program.couple();
+  work.is_whole = false;
+}
+
+void SolutionDerivative::factorize(bool back) {
+  Workspace& work = workspace();
+  work.push.setZero(work.program.rows());
+  work.program.scale_multipliers(lambda_, work.push);
+  if (!work.equations.begin_change(work.program, work.push, work.program.scaled_slack(slack_), back))
+    throw std::invalid_argument("the modes' equations break down");
+  work.is_back = back;
 }
 
 SolutionDerivative::Change SolutionDerivative::along(const Values& dz_u, const Values& force, const Values& moved,
@@ -187,18 +255,7 @@ SolutionDerivative::Change SolutionDerivative::once(const Sides& sides, bool bac
   if (size != 0 && !(size < tolerances::derivative_length && 1 / size < tolerances::derivative_length))
     throw std::invalid_argument("the squares of the direction's entries are beyond doubles");
   if (change_.M.cols() == 0) return {sides.z_u, Vector::Zero(by_mu.size()), true, true, false};
-  constexpr double most_seconds = 60;
-  const Deadline deadline(most_seconds);
-  if (std::exchange(work.owner, 0) != number_) {
-    change_.z_u.setZero(change_.M.cols());
-    const bool built = program.build(change_, ConeProgram::Want::sparse, {}, deadline, work.answer, &work.form);
-    if (!built && work.answer.status == Status::bad_input) throw std::invalid_argument(work.answer.message.c_str());
-    if (!built || program.cones() != std::ssize(mode_)) throw std::invalid_argument("a row without entries pushes");
-    equations.begin(program);
-    equations.mode = mode_;
-    if (program.law().lifts() && equations.slides() && !program.is_dense()) program.couple();
-    work.is_whole = false;
-  }
+  build();
   int unit = 0;
   (void)std::frexp(size, &unit);
   const double down = std::ldexp(1.0, -unit);
@@ -206,7 +263,7 @@ SolutionDerivative::Change SolutionDerivative::once(const Sides& sides, bool bac
   if (!change_.z_u.isZero(0)) program.move_freely(change_.z_u);
   change_.z_u += down * sides.z_u;
   change_.c(rows) = -down * sides.moved(rows);
-  if (!program.restate(change_, deadline)) throw std::invalid_argument("a row without entries pushes");
+  if (!program.restate(change_, most_time())) throw std::invalid_argument("a row without entries pushes");
   Vector &v = work.v, &y = work.y, &s = work.s;
   const auto flip = [&](double share) {  // of the ties that pull or are violated; how many
     const double zero = share * program.scale(v);
@@ -224,13 +281,7 @@ SolutionDerivative::Change SolutionDerivative::once(const Sides& sides, bool bac
   for (int round = 0; !is_settled && round < most_rounds; ++round) {
     work.is_whole = round == 0;
     if (work.is_whole && !has_factor) equations.active.assign(equations.active.size(), 1);
-    if (!std::exchange(has_factor, false)) {
-      work.push.setZero(program.rows());
-      program.scale_multipliers(lambda_, work.push);
-      if (!equations.begin_change(program, work.push, program.scaled_slack(slack_), back))
-        throw std::invalid_argument("the modes' equations break down");
-      work.is_back = back;
-    }
+    if (!std::exchange(has_factor, false)) factorize(back);
     if (!is_unique_) {
       const bool too_many = mode_.empty() && rows.size() > change_.size();
       is_unique_ = rows.size() == 0 || (!too_many && equations.least_share(program) > 0);

@@ -63,6 +63,9 @@ class SolutionDerivative {
   struct Sides {
     Vector z_u, force, moved;
   };
+  void build();  // unless what the thread holds is this one's
+  void factorize(bool back);
+  void share_load();
   Change solve(const Sides& sides, bool back);
   Change once(const Sides& sides, bool back);
   Sides left(const Sides& sides, const Change& change, bool back) const;

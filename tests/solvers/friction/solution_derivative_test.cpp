@@ -125,6 +125,45 @@ TEST(SolutionDerivativeAtATie, TheRowOpensOrHolds) {
   }
 }
 
+TEST(SolutionDerivativeOfASharedLoad, HasNoTiesAndIsThatOfDifferences) {
+  for (const char* scene : {"stack(boxes=3)", "tower(boxes=8)", "wall(boxes=10)"}) {
+    SCOPED_TRACE(scene);
+    const Problem p = make_scenes(scene).at(0).problem;
+    AnySolver method = make_solver("dual_active_set");
+    const Solution at = method.solve(p, tight);
+    ASSERT_TRUE((at.lambda.array() == 0).any());
+    SolutionDerivative of(p, at.z, at.lambda);
+    EXPECT_TRUE(of.ties.empty());
+    const Vector dz_u = of.motion * random_vector(p.size(), 6), z_bar = random_vector(p.size(), 7);
+    const SolutionDerivative::Change change = of.along(dz_u);
+    EXPECT_FALSE(change.is_unique);
+    constexpr double h = 1e-6;
+    Problem q = p;
+    q.z_u += h * dz_u;
+    const Vector difference = (method.solve(q, tight).z - at.z) / h;
+    EXPECT_LE(length(p, change.z - difference), 1e-7 * length(p, dz_u));
+    EXPECT_NEAR(of.back(z_bar, none).z_u.dot(dz_u), z_bar.dot(change.z), 1e-10 * z_bar.norm() * dz_u.norm());
+  }
+}
+
+// Two rows that are one, and one that touches; then two that leave no room between them, without a load.
+TEST(SolutionDerivativeOfASharedLoad, LeavesTheTiesThatCannotPush) {
+  Problem p = corner();
+  p.J = Eigen::MatrixXd{{1, 0}, {1, 0}, {0, 1}}.sparseView();
+  p.c = Vector::Zero(3);
+  p.kind.assign(3, RowKind::inequality);
+  p.key.resize(3);
+  SolutionDerivative of(p, Vector::Zero(2), Vector::Unit(3, 0));
+  EXPECT_EQ(of.ties, std::vector<Index>{2});
+  EXPECT_EQ(of.rows, (VectorX<Index>(3) << 0, 1, 2).finished());
+  EXPECT_EQ(of.along(Vector::Ones(2)).z, Vector::Unit(2, 1));
+  p.J = Eigen::MatrixXd{{1, 0}, {-1, 0}, {0, 1}}.sparseView();
+  p.z_u = Vector::Unit(2, 1);
+  SolutionDerivative between(p, Vector::Unit(2, 1), Vector::Zero(3));
+  EXPECT_TRUE(between.ties.empty());
+  EXPECT_EQ(between.along(Vector::Ones(2)).z, Vector::Unit(2, 1));
+}
+
 TEST(SolutionDerivativeOfBadInput, IsRefusedInOneLine) {
   const Problem p = corner();
   SolutionDerivative of(p, Vector::Zero(2), Vector::Unit(2, 0));
