@@ -1,23 +1,22 @@
 #pragma once
 
+#include <zwang/solvers/first_order/dual_iteration.h>
 #include <zwang/solvers/first_order/stop.h>
-#include <zwang/solvers/form/unit_program.h>
 
 namespace zwang {
 
 // Minimizes 1/2 |G' lambda|^2 - h' lambda over lambda_I >= 0, in steps of 1 / trace(G G') = 1 / rows.
 struct ProjectedGradient {
   static constexpr auto name = "projected_gradient";
-  UnitProgram program = {};
-  Vector lambda = {}, slack = {}, y = {}, before = {};
+  DualIteration iteration = {};
+  Vector slack = {}, before = {};
 
   void solve(const Problem& problem, const SolveOptions& options, Solution& solution) {
-    if (!program.build(problem, options, solution)) return;
-    program.warm_multipliers(problem, options.warm_start, lambda);
-    program.motion(lambda, y);
+    if (!iteration.begin(problem, options, solution)) return;
+    UnitProgram& program = iteration.program;
+    Vector &lambda = iteration.lambda, &y = iteration.y;
     const Deadline deadline(options.time_limit);
     LinearConvergenceEstimate steps;
-    solution.status = Status::iteration_limit;
     for (int& step = solution.iterations; step < options.max_iterations && step < 20000; ++step) {
       if (deadline.passed()) solution.status = Status::time_limit;
       if (solution.status != Status::iteration_limit) break;
@@ -29,7 +28,7 @@ struct ProjectedGradient {
       if (steps.distance_to_go(1e-15 * program.scale(y)) > options.tolerance * program.scale(y)) continue;
       if (program.natural_residual(y, lambda) <= options.tolerance) solution.status = Status::solved;
     }
-    program.write(problem, y, lambda, solution);
+    iteration.end();
   }
 };
 
