@@ -13,6 +13,8 @@ namespace {
 constexpr double fine = 0x1p-63, rounding = tolerances::wide_violation * fine;
 // What sums of twice the digits lose of their terms.
 constexpr double twice = tolerances::wide_violation * static_cast<double>(std::numeric_limits<DoubleDouble>::epsilon());
+// Of the motion: the largest bound on the error that is told.
+constexpr double loosest = 0x1p-26;
 
 // Has it an entry that rounding hides beside the others? It may be all that a combination of rows leaves.
 bool is_faint(const BodyRows& rows, Index i) {
@@ -310,7 +312,8 @@ bool JointSpaceActiveSet::rest_holds(double limit) {
   for (Index j = 0; j < static_cast<Index>(place_.size()); ++j) {
     if (is_active(j)) continue;
     const Index i = form_.inequalities()[at(j)];
-    if (rows.dot(i, y_) - rows.h[i] > tolerances::clear_slack * (rows.magnitude[i] + length)) continue;
+    const double clear = tolerances::clear_slack * (rows.magnitude[i] + length);
+    if (rows.dot(i, y_) - rows.h[i] > std::max(clear, 2 * loosest * far)) continue;
     listed_.push_back(i);
     ordered_.push_back(j);
   }
@@ -324,8 +327,8 @@ bool JointSpaceActiveSet::rest_holds(double limit) {
     if (violation > rounding * size) return falls_short(j);
     const double most = violation + fine * size;
     if (most > -touch) {
-      listed_[at(touching)] = i;
-      violation_[at(touching++)] = violation;
+      std::swap(listed_[at(touching)], listed_[at(k)]);
+      std::swap(violation_[at(touching++)], violation_[at(k)]);
     }
     if (!(most > 0)) continue;
     take(j);
@@ -340,14 +343,13 @@ bool JointSpaceActiveSet::rest_holds(double limit) {
     else if (share > tolerances::exact_share || violation > std::min(left(i, far), rounding * point_.terms(rows, i)))
       return falls_short(j);
   }
-  listed_.resize(at(touching));
   if (gives_way >= 0 && touching > 1) return falls_short(gives_way);
   if (touching > 1) doubt_ = infinity;
   for (Index t = 0; t < touching; ++t) {
     if (!(violation_[at(t)] > left(listed_[at(t)], far)) && !is_faint(rows, listed_[at(t)])) continue;
     rest_.setZero();
     rows.add(listed_[at(t)], 1, rest_);
-    for (const Index k : listed_)
+    for (const Index k : std::span(listed_).first(at(touching)))
       if (rows.dot(k, rest_) < tolerances::clear_pivot - 1) return false;
   }
   return true;
@@ -371,32 +373,34 @@ double JointSpaceActiveSet::error_bound() {
 }
 
 // Where more rows touch: at a point that meets all, from what the forces are `unbalanced`. Beside joints none is looked
-// for.
+// for. Near rows outside the active set are those that rest_holds() listed.
 double JointSpaceActiveSet::inside(double unbalanced) {
   const BodyRows& rows = form_.rows();
   const auto q = static_cast<Index>(climb_.active().size());
-  const double far = std::max(y_.norm(), rows.free_norm), enough = std::sqrt(DenseDualActiveSet::epsilon) * far;
+  constexpr double epsilon = DenseDualActiveSet::epsilon, loose = tolerances::wide_violation * epsilon;
+  const double far = std::max(y_.norm(), rows.free_norm);
   if (!form_.equalities().empty()) return infinity;
   s_v_.setZero();
   sigma_I_.head(q).setOnes();
   climb_.solve(s_v_, sigma_I_, dv_, dmu_);
   form_.expand(dv_, step_);
-  listed_.clear();
-  for (Index k = 0; k < q; ++k) listed_.push_back(active_row(k));
-  for (Index j = 0; j < static_cast<Index>(place_.size()); ++j) {
-    const Index i = form_.inequalities()[at(j)];
-    if (!is_active(j) && !(rows.dot(i, y_) - rows.h[i] > 2 * enough)) listed_.push_back(i);
-  }
-  point_.violations(rows, listed_, violation_.data());
   near_.clear();
-  for (Index k = 0; k < std::ssize(listed_); ++k) {
-    const double violation = violation_[at(k)], hidden = left(listed_[at(k)], far);
-    near_.push_back({listed_[at(k)], violation + hidden, hidden - violation, k < q ? mu_[k] : 0});
-  }
-  constexpr double epsilon = DenseDualActiveSet::epsilon, loose = tolerances::wide_violation * epsilon;
+  near_.reserve(listed_.size() + at(q));
+  // As left(), with the length of z in place of its terms.
+  const double size = 6 * std::sqrt(rows.tied()) * ((rows.free + y_).norm() + epsilon * far),
+               hidden = last_change_ * last_change_ / far + twice * size;
+  const auto list = [&](Index i, double violation, double push) {
+    const double own = hidden + twice * std::abs(std::ldexp(rows.c[i] / rows.row_norm[i], -rows.exponent));
+    near_.push_back({i, violation + own, own - violation, push});
+  };
+  ordered_.clear();
+  for (Index k = 0; k < q; ++k) ordered_.push_back(active_row(k));
+  point_.violations(rows, ordered_, dmu_.data());
+  for (Index k = 0; k < q; ++k) list(ordered_[at(k)], dmu_[k], mu_[k]);
+  for (std::size_t k = 0; k < listed_.size(); ++k) list(listed_[k], violation_[k], 0);
   open_all(rows, near_, epsilon * far, step_);
   const double bound = bound_inside(near_, step_.norm(), unbalanced, loose);
-  return bound <= enough ? bound : infinity;
+  return bound <= loosest * far ? bound : infinity;
 }
 
 }  // namespace zwang
