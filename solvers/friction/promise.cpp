@@ -223,6 +223,7 @@ double Promise::settle() {
 double Promise::with_rounding(double first, double still, double size) {
   const double touching = tolerances::promise_touching * size;
   double least = infinity;  // slack of those that carry no force
+  double steepest = 1;      // what a miss of the row N / mu is in one of N, whose share is taken
   bool changed = false;
   Index held = 0;
   for (Index k = 0; k < program_->cones(); ++k) {
@@ -231,6 +232,7 @@ double Promise::with_rounding(double first, double still, double size) {
     if (mode == Mode::slide && second_order_cone::tangential(&s_[3 * k]) <= touching)
       mode = Mode::stick, changed = true;
     held += mode == Mode::open ? 0 : mode == Mode::slide ? 1 : program_->source(3 * k + 2) < 0 ? 2 : 3;
+    if (mode != Mode::open) steepest = std::max(steepest, program_->tilt(k));
   }
   for (Index r = 0; r < program_->rays(); ++r) {
     if (!modes_->active[at(r)]) least = std::min(least, s_[3 * program_->cones() + r]);
@@ -241,8 +243,8 @@ double Promise::with_rounding(double first, double still, double size) {
   if (may_hold && changed && !factorize()) return infinity;
   const double share = may_hold ? modes_->least_share(*program_) : 0;
   constexpr double part = 1.0 * tolerances::violation / tolerances::rank;
-  return share > 0 ? first + (modes_->missed(*program_, s_) + part * row_rounding_ * size) / share
-                   : inside(still, size);
+  if (!(share > 0)) return inside(still, size);
+  return first + steepest * (modes_->missed(*program_, s_) + part * row_rounding_ * size) / share;
 }
 
 // The bound at a point that meets all rows whatever rounding hides: v moved along w, which opens those near v. No force

@@ -277,6 +277,7 @@ SolutionDerivative::Change SolutionDerivative::once(const Sides& sides, bool bac
     return count;
   };
   bool is_settled = false, has_factor = work.is_whole && (work.is_back == back || !program.law().lifts());
+  double last = infinity, length = infinity;  // of the last two steps
   constexpr int most_rounds = 8;
   for (int round = 0; !is_settled && round < most_rounds; ++round) {
     work.is_whole = round == 0;
@@ -289,7 +290,7 @@ SolutionDerivative::Change SolutionDerivative::once(const Sides& sides, bool bac
     v.setZero(program.face().unknowns());
     y.setZero(program.rows());
     s = -program.h();
-    double last = infinity, length = infinity;
+    last = length = infinity;
     do {
       equations.aim(program, y, s);
       equations.step(program, v, y);
@@ -305,6 +306,9 @@ SolutionDerivative::Change SolutionDerivative::once(const Sides& sides, bool bac
   }
   if (is_settled && !(equations.missed(program, s) <= tolerances::derivative_meets * program.scale(v)))
     throw std::invalid_argument("rows that push do not hold together");
+  if (is_settled && length > last / 2 && !(length <= tolerances::derivative_meets * program.scale(v)))
+    throw std::invalid_argument(*is_unique_ ? "the modes' equations are singular, or nearly"
+                                            : "forces are not unique beside contacts that slide");
   program.write(change_, v, y, work.answer);
   const Vector& z = work.answer.z;
   const double way = std::ldexp(program.length(v), program.exponent()), rest = z.dot(program.momentum(change_, z));

@@ -221,6 +221,27 @@ TEST(Promise, HoldsWhereMassesTieUnknowns) {
   EXPECT_GE(promised, 250);
 }
 
+// A rounding of the slip, times mu, lifts the contact of the convex problem that the bound is of: it sticks.
+TEST(Promise, HoldsWhereMuIsHuge) {
+  using Wide = Eigen::Matrix<long double, 2, 1>;
+  Problem p{.M = Eigen::MatrixXd{{2, 1}, {1, 3}}.sparseView(), .law = Law::coulomb};
+  p.z_u = Eigen::Vector2d(28.999971389770508, -31.000028610229492);
+  p.J = Eigen::MatrixXd{{6, 8}, {-2, 4}}.sparseView();
+  p.c = Eigen::Vector2d(42, 6);
+  p.kind = {RowKind::inequality, RowKind::tangent};
+  p.key.resize(2);
+  p.mu = Eigen::Vector2d(0x1p20, 0);
+  const Eigen::Matrix<long double, 2, 2> J{{6, 8}, {-2, 4}};
+  for (const char* solver : {"cone", "nsgs", "fixed_point"}) {
+    const Solution s = make_solver(solver).solve(p, {.accuracy = 1e-6});
+    ASSERT_EQ(s.status, Status::solved) << solver;
+    const Wide z = s.z.cast<long double>(), c = p.c.cast<long double>();
+    const long double slip = std::abs((J * z - c)[1]);
+    const Wide truth = J.inverse() * (c + Wide(p.mu[0] * slip, 0));
+    EXPECT_FALSE(apart(p, s.z, truth.cast<double>()) > s.error_bound) << solver;
+  }
+}
+
 TEST(Promise, NothingIsPromisedUnasked) {
   const Problem p = random_small_problem(1000);
   for (const SolverEntry& e : solvers())

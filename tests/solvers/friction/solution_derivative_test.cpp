@@ -189,6 +189,31 @@ TEST(SolutionDerivativeOfBadInput, IsRefusedInOneLine) {
   }
 }
 
+// J_n M^-1 (J_n - mu J_t)' = 2 gap: a contact that slides, and jams where it is zero.
+TEST(SolutionDerivativeOfASlide, IsRefusedWhereItAllButJams) {
+  for (const double gap : {0.0, 1e-12, 1e-9, 3e-8, 1e-7, 1e-6, 1e-3}) {
+    SCOPED_TRACE(gap);
+    Problem p{.M = Eigen::MatrixXd{{3, 1}, {1, 2}}.sparseView(), .law = Law::coulomb};
+    const double mu = 1 - gap;
+    const Eigen::Vector2d normal(0, 1), tangent(2, 0), z(0, 0), lambda(3, -3 * mu);
+    p.z_u = z - 3 * (normal - mu * tangent);
+    p.J = (Eigen::MatrixXd(2, 2) << (p.M * normal).transpose(), (p.M * tangent).transpose()).finished().sparseView();
+    p.c = Eigen::Vector2d(0, -1);
+    p.kind = {RowKind::inequality, RowKind::tangent};
+    p.key.resize(2);
+    p.mu = Eigen::Vector2d(mu, 0);
+    SolutionDerivative of(p, z, lambda);
+    try {
+      const Vector dz = of.along(none, none, Eigen::Vector2d(-1, 0)).z;
+      EXPECT_GE(gap, 1e-7);
+      const double right = -2 * mu / (2 - 2 * mu);
+      EXPECT_NEAR(dz[0], right, 1e-9 * std::abs(right));
+    } catch (const std::invalid_argument&) {
+      EXPECT_LT(gap, 1e-6);
+    }
+  }
+}
+
 TEST(SolutionDerivativeOfABox, OfNoUnknownsIsEmpty) {
   Problem nothing;
   nothing.M.resize(0, 0);
