@@ -129,8 +129,7 @@ struct PythonSolver {
     } catch (const std::exception& bad) {
       solution.status = Status::numerical_failure;
       solution.message = std::string(bad.what()).substr(0, std::string(bad.what()).find('\n'));
-      solution.empty_z();
-      solution.empty_lambda();
+      solution.empty_answer();
     }
     seconds_elsewhere += std::max(0.0, cpu_seconds_beside() - beside);
   }

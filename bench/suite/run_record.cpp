@@ -11,7 +11,6 @@
 #include <zwang/solvers/registry.h>
 
 namespace zwang {
-
 namespace {
 
 using Json = nlohmann::ordered_json;

@@ -4,7 +4,6 @@
 #include <zwang/core/files/layouts.h>
 
 namespace zwang {
-
 namespace {
 
 std::string bracketed(const std::string& name, std::size_t i) { return name + "[" + std::to_string(i) + "]"; }

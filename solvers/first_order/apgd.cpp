@@ -3,7 +3,6 @@
 #include <zwang/solvers/linalg/tolerances.h>
 
 namespace zwang {
-
 namespace {
 
 // A lower bound on |G G'|, within a few per cent after ten rounds. The start has every row in it, unevenly, so that a

@@ -50,8 +50,7 @@ void Cone::Work::solve(Cone& cone, const Problem& p, const SolveOptions& options
   if (solution.status == Status::numerical_failure && contradicts_itself(cone.normals_.own(p.size(), p.rows()), job)) {
     solution.status = Status::infeasible;
     solution.zero_certificate(p.rows()) = of_normals_.certificate;
-    solution.empty_z();
-    solution.empty_lambda();
+    solution.empty_answer();
     solution.message.clear();
   }
 }

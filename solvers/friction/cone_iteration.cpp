@@ -21,7 +21,7 @@ bool ConeIteration::begin(const Problem& problem, const SolveOptions& options, S
     y.setZero();
   }
   program.slack(v, s);
-  residual_ = program.residual(y, s).natural;
+  residual_ = program.residual(y, s).natural, work_ = 0;
   solution.status = residual_ == 0 ? Status::solved : Status::iteration_limit;
   if (residual_ == 0) end();
   return residual_ != 0;
@@ -52,8 +52,8 @@ bool ConeIteration::step_done() {
     return true;
   }
   // A step goes over the rows a few times, a dense one by lanes.
-  const double work = static_cast<double>(program.rows() * v.size()) * solution.iterations;
-  if (promise_.is_due(work) && promise_.holds_at(y, solution)) return true;
+  work_ = static_cast<double>(program.rows() * v.size()) * solution.iterations;
+  if (promise_.is_due(work_) && promise_.holds_at(y, solution)) return true;
   if (residual_ > options_->tolerance * scale || !program.accepts(left, v, *options_)) return false;
   solution.status = Status::solved;
   return true;
@@ -63,10 +63,9 @@ void ConeIteration::end() {
   if (!std::isnan(solution_->error_bound)) return;
   if (std::isfinite(residual_)) {
     program.write(*problem_, v, y, *solution_);
-    return promise_.judge(*problem_, *options_, *solution_);
+    return promise_.judge(*problem_, *options_, *solution_, work_);
   }
-  solution_->empty_z();
-  solution_->empty_lambda();
+  solution_->empty_answer();
 }
 
 }  // namespace zwang

@@ -28,7 +28,7 @@ class ConeIteration {
   Solution* solution_ = nullptr;
   Deadline deadline_;
   Promise promise_;
-  double residual_ = 0;
+  double residual_ = 0, work_ = 0;
 };
 
 }  // namespace zwang

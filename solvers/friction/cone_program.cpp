@@ -25,8 +25,7 @@ bool ConeProgram::meets_immobile(const Problem& p, Index row, double mu, Solutio
   Vector& u = solution.zero_certificate(p.rows());
   u[row] = 1;
   for (Index t = 1; t <= p.tangents(row); ++t) u[row + t] = mu * p.c[row + t] / slip;
-  solution.empty_z();
-  solution.empty_lambda();
+  solution.empty_answer();
   solution.status = Status::infeasible;
   solution.message.append("contact of row ").append(std::to_string(row)).append(" is zero and cannot hold");
   return false;
@@ -426,8 +425,7 @@ void ConeProgram::write(const Problem& p, const Vector& v, const Vector& y, Solu
 }
 
 void ConeProgram::write_certificate(const Problem& p, const Vector& y, Solution& solution) {
-  solution.empty_z();
-  solution.empty_lambda();
+  solution.empty_answer();
   rest_.setZero();
   write_multipliers(y, 0, solution.zero_certificate(p.rows()));
   solution.status = Status::infeasible;

@@ -121,8 +121,7 @@ void FixedPoint::solve(const Problem& p, const SolveOptions& options, Solution& 
     each_contact(p, [&](Index i) { sigma[i] += relaxation * (slip(p, i, answer.z) - sigma[i]); });
   }
   if (!std::isfinite(least)) {
-    solution.empty_z();
-    solution.empty_lambda();
+    solution.empty_answer();
   } else if (solution.message.empty()) {
     std::array<char, 80> text;
     std::snprintf(text.data(), text.size(), "the residual stays at %.1e of the motion", least);

@@ -127,17 +127,18 @@ bool Promise::holds_at(const Vector& y, Solution& solution) {
   return true;
 }
 
-void Promise::judge(const Problem& problem, const SolveOptions& options, Solution& solution) {
+void Promise::judge(const Problem& problem, const SolveOptions& options, Solution& solution, double work) {
   const bool is_solved = solution.status == Status::solved || solution.status == Status::solved_ill_conditioned;
   if (!options.has_accuracy() || !is_solved) return;
   if (solution.lambda.size() != problem.rows() || solution.z.size() != problem.size()) return;
   if (problem_ != &problem) begin(problem, options);
-  takes_any_ = true;
   failed_ = hopeless_;
   solution.error_bound = options.prover ? infinity : Solution::unknown;
   if (!prepare()) return;
   program_->read(solution.lambda, y_);
-  const Bound bound = look();
+  Bound bound = work < price_ ? look(true) : Bound();
+  takes_any_ = true;
+  if (!bound.is_enough) bound = look();
   if (!std::isfinite(bound.relative)) return;
   program_->write(problem, v_, y_, scratch_);
   const auto length = [&](const Vector& x) { return std::sqrt(std::max(0.0, x.dot(problem.M * x))); };
@@ -155,8 +156,8 @@ void Promise::judge(const Problem& problem, const SolveOptions& options, Solutio
   }
 }
 
-// From y_.
-Promise::Bound Promise::look() {
+// From y_. `stands`: v is not moved, and opens the rows itself, as at rest. No factor is made.
+Promise::Bound Promise::look(bool stands) {
   h_ = program_->h();
   program_->face().force(y_, v_);
   program_->divide_by_mass(v_);
@@ -165,9 +166,15 @@ Promise::Bound Promise::look() {
   reach_ = 0;
   for (Index i = 0; i < h_.size(); ++i)
     if (s_[i] < 0 || y_[i] != 0) reach_ = std::max(reach_, std::abs(h_[i]));
+  double most = infinity;
+  if (stands) {
+    ds_ = s_ + h_, w_ = v_, half_ = 0, gap_ = y_.dot(s_);
+    for (Index k = 0; k < program_->cones(); ++k) gap_ += program_->law().shift(&s_[3 * k]) * y_[3 * k];
+    most = along(0, std::max(program_->scale(v_), reach_));
+  }
   double before = infinity;
   vain_ = true;
-  for (int round = 0; round < most_rounds; ++round) {
+  for (int round = 0; round < most_rounds && !stands; ++round) {
     const bool others = modes_->choose(*program_, y_, s_);
     if (!(round == 0 ? modes_->has_factor(*program_) || factorize() : (others || modes_->slides()) && factorize()))
       break;
@@ -180,13 +187,13 @@ Promise::Bound Promise::look() {
     const bool is_near = first <= enough(program_->least_motion(v_), program_->exponent());
     vain_ = vain_ && is_near;
     if (!is_near) continue;
-    const double most = with_rounding(first, still, size), motion = program_->least_motion(v_) - most;
-    if (!(most < infinity && (motion > 0 || most == 0))) break;
-    vain_ = false;
-    return {most > 0 ? most / motion : 0, most <= enough(motion, program_->exponent())};
+    most = with_rounding(first, still, size);
+    break;
   }
-  vain_ = vain_ && !modes_->slides();  // else another factor may lead there
-  return {};
+  const double motion = program_->least_motion(v_) - most;
+  const bool is_known = most < infinity && (motion > 0 || most == 0);
+  vain_ = vain_ && !is_known && !modes_->slides();  // of what slides another factor may lead there
+  return is_known ? Bound{most > 0 ? most / motion : 0, most <= enough(motion, program_->exponent())} : Bound();
 }
 
 // At (y_, s_), as contacts slide there.
@@ -253,19 +260,18 @@ double Promise::with_rounding(double first, double still, double size) {
 double Promise::inside(double still, double size) {
   ConeFace& face = program_->face();
   const Index nc = program_->cones();
-  const double near = tolerances::promise_near * size, rest = row_rounding_ * size;
+  const double near = tolerances::promise_near * size;
   x_.setZero(program_->rows());  // what is to be opened, by how much
-  bool changed = false;
   for (Index k = 0; k < nc; ++k) {
     if (modes_->mode[at(k)] == Mode::open && opened(k) > near) continue;
-    changed = changed || modes_->mode[at(k)] != Mode::stick;
+    if (modes_->mode[at(k)] != Mode::stick) modes_->forget_factor();
     modes_->mode[at(k)] = Mode::stick;
     x_[3 * k] = 1;
   }
   for (Index r = 0; r < program_->rays(); ++r) {
     if (program_->is_equality(r)) return infinity;
     if (!modes_->active[at(r)] && s_[3 * nc + r] > near) continue;
-    changed = changed || !modes_->active[at(r)];
+    if (!modes_->active[at(r)]) modes_->forget_factor();
     modes_->active[at(r)] = 1;
     x_[3 * nc + r] = 1;
   }
@@ -274,7 +280,7 @@ double Promise::inside(double still, double size) {
   const auto swap = [&] { v_.swap(w_), y_.swap(t_), h_.swap(x_); };
   swap();
   s_ = -h_;
-  bool found = (!changed && modes_->has_factor(*program_)) || factorize();
+  bool found = modes_->has_factor(*program_) || factorize();
   // Near its aim is enough. (A look that decides an answer keeps to what it was, for the same bits.)
   const bool is_asked = takes_any_ || options_->prover;
   if (found && is_asked) linearize(false), modes_->step(*program_, v_, y_);
@@ -283,10 +289,18 @@ double Promise::inside(double still, double size) {
   if (!found) return infinity;
   program_->slack(v_, s_);
   face.slack(w_, ds_);
+  return along(still, size);
+}
+
+// The same along w, by which slacks move as ds_.
+double Promise::along(double still, double size) {
+  const Index nc = program_->cones();
+  const double rest = row_rounding_ * size;
   near_.clear();
   near_.reserve(at(nc + program_->rays() + 1));
   for (Index k = 0; k < nc; ++k) near_.push_back({k, rest - opened(k), 0, 0, second_order_cone::smallest(&ds_[3 * k])});
-  for (Index i = 3 * nc; i < s_.size(); ++i) near_.push_back({i, rest - s_[i], 0, 0, ds_[i]});
+  for (Index i = 3 * nc; i < s_.size(); ++i)
+    near_.push_back({i, program_->is_equality(i - 3 * nc) ? infinity : rest - s_[i], 0, 0, ds_[i]});
   near_.push_back({-1, -infinity, gap_ + rest * y_.lpNorm<1>(), 1, std::max(0.0, y_.dot(ds_))});  // the work of all
   return still + factor_rounding_ * size + bound_inside(near_, program_->length(w_), 2 * half_);
 }

@@ -45,7 +45,8 @@ class Promise final : public Prover {
   // The answer stays as it is, but for the last digits under Coulomb's law: at another point the slips are others.
   void end(const Problem& problem, const SolveOptions& options, Solution& solution) override;
   // The same but for z's own rounding. To state the rows takes as long as a look: a method that has them, asks here.
-  void judge(const Problem& problem, const SolveOptions& options, Solution& solution);
+  // work: as is_due's. A look that takes longer is had only where rows as they are met do not tell enough.
+  void judge(const Problem& problem, const SolveOptions& options, Solution& solution, double work = infinity);
 
  private:
   using Mode = ConeLaw::Mode;
@@ -55,12 +56,13 @@ class Promise final : public Prover {
   } bound_;
 
   bool prepare();
-  Bound look();
+  Bound look(bool stands = false);
   bool factorize();
   void linearize(bool anew);
   double settle();
   double with_rounding(double first, double still, double size);
   double inside(double still, double size);
+  double along(double still, double size);
   // Of a contact: what its lifted cone leaves of s.
   double opened(Index k) const {
     return s_[3 * k] - program_->law().opening() * second_order_cone::tangential(&s_[3 * k]);

@@ -8,7 +8,6 @@
 #include <zwang/solvers/linalg/tolerances.h>
 
 namespace zwang {
-
 namespace {
 
 bool is_limit(Status status) { return status == Status::iteration_limit || status == Status::time_limit; }

@@ -101,7 +101,8 @@ TEST_P(PromisesWithFriction, HoldUnderItsLaws) {
   for (const Law law : {Law::convex, Law::coulomb}) {
     for (unsigned seed = 0; seed < 40; ++seed)
       check(test::planted(law, 0.5, 1 + static_cast<int>(seed % 3), 2 + static_cast<int>(seed % 4), seed).problem);
-    for (const Instance& i : make_scenes("hand(contacts=4,mu=0.5),crate,incline,ladder,ball,stack(boxes=2,mu=0.5)"))
+    for (const Instance& i : make_scenes("hand(contacts=4,mu=0.5),crate,incline,ladder,ball,stack(boxes=2,mu=0.5),"
+                                         "MANYF(contacts=200,mu=0.5)"))
       check(under(law, i.problem));
   }
   expect(0.5, 300);  // z is often much nearer than forces that turn with the slip can show
