@@ -14,6 +14,10 @@
 #endif
 
 namespace Eigen {
+using SparseLLT = SimplicialCholeskyBase<SimplicialLLT<SparseMatrix<double>>>;
+using SparseLDLT = SimplicialCholeskyBase<SimplicialLDLT<SparseMatrix<double>>>;
+using ByColumns = SparseMatrix<double, ColMajor>;
+using ByRows = SparseMatrix<double, RowMajor>;
 ZWANG_ONCE LLT<MatrixXd>& LLT<MatrixXd>::compute(const EigenBase<MatrixXd>&);
 ZWANG_ONCE LDLT<MatrixXd>& LDLT<MatrixXd>::compute(const EigenBase<MatrixXd>&);
 ZWANG_ONCE void PartialPivLU<MatrixXd>::compute();
@@ -22,53 +26,35 @@ ZWANG_ONCE void HouseholderQR<MatrixXd>::computeInPlace();
 ZWANG_ONCE void ColPivHouseholderQR<MatrixXd>::computeInPlace();
 ZWANG_ONCE void CompleteOrthogonalDecomposition<MatrixXd>::computeInPlace();
 ZWANG_ONCE SelfAdjointEigenSolver<MatrixXd>& SelfAdjointEigenSolver<MatrixXd>::compute(const EigenBase<MatrixXd>&, int);
-ZWANG_ONCE void SimplicialCholeskyBase<SimplicialLLT<SparseMatrix<double>>>::ordering(const SparseMatrix<double>&,
-                                                                                      const SparseMatrix<double>*&,
-                                                                                      SparseMatrix<double>&);
-ZWANG_ONCE void SimplicialCholeskyBase<SimplicialLLT<SparseMatrix<double>>>::analyzePattern_preordered(
-    const SparseMatrix<double>&, bool);
-ZWANG_ONCE void SimplicialCholeskyBase<SimplicialLLT<SparseMatrix<double>>>::factorize_preordered<false>(
-    const SparseMatrix<double>&);
-ZWANG_ONCE void SimplicialCholeskyBase<SimplicialLDLT<SparseMatrix<double>>>::ordering(const SparseMatrix<double>&,
-                                                                                       const SparseMatrix<double>*&,
-                                                                                       SparseMatrix<double>&);
-ZWANG_ONCE void SimplicialCholeskyBase<SimplicialLDLT<SparseMatrix<double>>>::analyzePattern_preordered(
-    const SparseMatrix<double>&, bool);
-ZWANG_ONCE void SimplicialCholeskyBase<SimplicialLDLT<SparseMatrix<double>>>::factorize_preordered<true>(
-    const SparseMatrix<double>&);
-ZWANG_ONCE SparseMatrix<double, RowMajor>& SparseMatrix<double, RowMajor>::operator=(
-    const SparseMatrixBase<SparseMatrix<double, ColMajor>>&);
-ZWANG_ONCE SparseMatrix<double, ColMajor>& SparseMatrix<double, ColMajor>::operator=(
-    const SparseMatrixBase<SparseMatrix<double, RowMajor>>&);
-ZWANG_ONCE double& SparseMatrix<double, ColMajor>::insert(Index, Index);
-ZWANG_ONCE double& SparseMatrix<double, ColMajor>::insertUncompressed(Index, Index);
+ZWANG_ONCE void SparseLLT::ordering(const ByColumns&, const ByColumns*&, ByColumns&);
+ZWANG_ONCE void SparseLLT::analyzePattern_preordered(const ByColumns&, bool);
+ZWANG_ONCE void SparseLLT::factorize_preordered<false>(const ByColumns&);
+ZWANG_ONCE void SparseLDLT::ordering(const ByColumns&, const ByColumns*&, ByColumns&);
+ZWANG_ONCE void SparseLDLT::analyzePattern_preordered(const ByColumns&, bool);
+ZWANG_ONCE void SparseLDLT::factorize_preordered<true>(const ByColumns&);
+ZWANG_ONCE ByRows& ByRows::operator=(const SparseMatrixBase<ByColumns>&);
+ZWANG_ONCE ByColumns& ByColumns::operator=(const SparseMatrixBase<ByRows>&);
+ZWANG_ONCE double& ByColumns::insert(Index, Index);
+ZWANG_ONCE double& ByColumns::insertUncompressed(Index, Index);
 }  // namespace Eigen
 
 namespace Eigen::internal {
-ZWANG_ONCE void minimum_degree_ordering(SparseMatrix<double>&, PermutationMatrix<Dynamic, Dynamic, int>&);
-ZWANG_ONCE void assign_sparse_to_sparse(SparseMatrix<double, ColMajor>&, const SparseMatrix<double, ColMajor>&);
-ZWANG_ONCE void assign_sparse_to_sparse(SparseMatrix<double, RowMajor>&, const SparseMatrix<double, RowMajor>&);
-ZWANG_ONCE struct gebp_kernel<double, double, Index, blas_data_mapper<double, Index, ColMajor>,
-                              gebp_traits<double, double>::mr, gebp_traits<double, double>::nr, false, false>;
-ZWANG_ONCE struct gemm_pack_lhs<double, Index, const_blas_data_mapper<double, Index, ColMajor>,
-                                gebp_traits<double, double>::mr, gebp_traits<double, double>::LhsProgress,
-                                gebp_traits<double, double>::LhsPacket4Packing, ColMajor>;
-ZWANG_ONCE struct gemm_pack_lhs<double, Index, const_blas_data_mapper<double, Index, RowMajor>,
-                                gebp_traits<double, double>::mr, gebp_traits<double, double>::LhsProgress,
-                                gebp_traits<double, double>::LhsPacket4Packing, RowMajor>;
-ZWANG_ONCE struct gemm_pack_rhs<double, Index, const_blas_data_mapper<double, Index, ColMajor>,
-                                gebp_traits<double, double>::nr, ColMajor>;
-ZWANG_ONCE struct gemm_pack_rhs<double, Index, const_blas_data_mapper<double, Index, RowMajor>,
-                                gebp_traits<double, double>::nr, RowMajor>;
-ZWANG_ONCE struct general_matrix_vector_product<Index, double, const_blas_data_mapper<double, Index, ColMajor>,
-                                                ColMajor, false, double,
-                                                const_blas_data_mapper<double, Index, ColMajor>, false>;
-ZWANG_ONCE struct general_matrix_vector_product<Index, double, const_blas_data_mapper<double, Index, ColMajor>,
-                                                ColMajor, false, double,
-                                                const_blas_data_mapper<double, Index, RowMajor>, false>;
-ZWANG_ONCE struct general_matrix_vector_product<Index, double, const_blas_data_mapper<double, Index, RowMajor>,
-                                                RowMajor, false, double,
-                                                const_blas_data_mapper<double, Index, ColMajor>, false>;
+using Sizes = gebp_traits<double, double>;
+using Columns = const_blas_data_mapper<double, Index, ColMajor>;
+using Rows = const_blas_data_mapper<double, Index, RowMajor>;
+ZWANG_ONCE void minimum_degree_ordering(ByColumns&, PermutationMatrix<Dynamic, Dynamic, int>&);
+ZWANG_ONCE void assign_sparse_to_sparse(ByColumns&, const ByColumns&);
+ZWANG_ONCE void assign_sparse_to_sparse(ByRows&, const ByRows&);
+ZWANG_ONCE struct gebp_kernel<double, double, Index, blas_data_mapper<double, Index, ColMajor>, Sizes::mr, Sizes::nr,
+                              false, false>;
+ZWANG_ONCE struct gemm_pack_lhs<double, Index, Columns, Sizes::mr, Sizes::LhsProgress, Sizes::LhsPacket4Packing,
+                                ColMajor>;
+ZWANG_ONCE struct gemm_pack_lhs<double, Index, Rows, Sizes::mr, Sizes::LhsProgress, Sizes::LhsPacket4Packing, RowMajor>;
+ZWANG_ONCE struct gemm_pack_rhs<double, Index, Columns, Sizes::nr, ColMajor>;
+ZWANG_ONCE struct gemm_pack_rhs<double, Index, Rows, Sizes::nr, RowMajor>;
+ZWANG_ONCE struct general_matrix_vector_product<Index, double, Columns, ColMajor, false, double, Columns, false>;
+ZWANG_ONCE struct general_matrix_vector_product<Index, double, Columns, ColMajor, false, double, Rows, false>;
+ZWANG_ONCE struct general_matrix_vector_product<Index, double, Rows, RowMajor, false, double, Columns, false>;
 }  // namespace Eigen::internal
 
 #undef ZWANG_ONCE

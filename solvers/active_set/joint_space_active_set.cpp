@@ -13,8 +13,6 @@ namespace {
 constexpr double fine = 0x1p-63, rounding = tolerances::wide_violation * fine;
 // What sums of twice the digits lose of their terms.
 constexpr double twice = tolerances::wide_violation * static_cast<double>(std::numeric_limits<DoubleDouble>::epsilon());
-// Of the motion: the largest bound on the error that is told.
-constexpr double loosest = 0x1p-26;
 
 // Has it an entry that rounding hides beside the others? It may be all that a combination of rows leaves.
 bool is_faint(const BodyRows& rows, Index i) {
@@ -313,7 +311,7 @@ bool JointSpaceActiveSet::rest_holds(double limit) {
     if (is_active(j)) continue;
     const Index i = form_.inequalities()[at(j)];
     const double clear = tolerances::clear_slack * (rows.magnitude[i] + length);
-    if (rows.dot(i, y_) - rows.h[i] > std::max(clear, 2 * loosest * far)) continue;
+    if (rows.dot(i, y_) - rows.h[i] > std::max(clear, 2 * tolerances::loosest_bound * far)) continue;
     listed_.push_back(i);
     ordered_.push_back(j);
   }
@@ -400,7 +398,7 @@ double JointSpaceActiveSet::inside(double unbalanced) {
   for (std::size_t k = 0; k < listed_.size(); ++k) list(listed_[k], violation_[k], 0);
   open_all(rows, near_, epsilon * far, step_);
   const double bound = bound_inside(near_, step_.norm(), unbalanced, loose);
-  return bound <= loosest * far ? bound : infinity;
+  return bound <= tolerances::loosest_bound * far ? bound : infinity;
 }
 
 }  // namespace zwang

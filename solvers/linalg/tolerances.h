@@ -194,6 +194,8 @@ inline constexpr double promise_softness = 1e-8, promise_vanished = 1e-6, promis
 // The slack with which a row is not touched whatever rounding does; and that of rows which the bound itself need not
 // reach.
 inline constexpr double promise_touching = 1e-9, promise_near = 1e-3;
+// The largest bound of a refined answer that is told (joint_space_active_set.h).
+inline constexpr double loosest_bound = 0x1p-26;
 
 // A derivative (solvers/friction/solution_derivative.h), relative to the motion. What is nearer to another mode is a
 // tie; the softness of its rows; what the next step would move forces by, times the root of it, where passes end; a row
