@@ -63,7 +63,7 @@ void ConeIteration::end() {
   if (!std::isnan(solution_->error_bound)) return;
   if (std::isfinite(residual_)) {
     program.write(*problem_, v, y, *solution_);
-    return promise_.judge(*problem_, *options_, *solution_, work_);
+    return promise_.judge(*problem_, *options_, *solution_, (y.array() != 0).count() > v.size() ? work_ : infinity);
   }
   solution_->empty_answer();
 }

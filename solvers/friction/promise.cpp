@@ -30,7 +30,7 @@ double lightest(const Problem& p) {
 
 // By how much z may be off, relative to the motion, for being a vector of doubles.
 double rounding_of(const Problem& p, const Vector& z) {
-  if (z == p.z_u) return 0;
+  if (z.size() != p.size() || z == p.z_u) return 0;
   double size = 0, motion = 0, free = 0;
   for (Index j = 0; j < p.size(); ++j)
     for (SparseMatrix::InnerIterator it(p.M, j); it; ++it) {
@@ -73,7 +73,7 @@ bool Promise::is_due(double work, double left, double own) {
   if (!arrives && work < std::max(next_look_, share * own)) return false;
   if (own == 0 && !ready_ && (!prepare() || (!arrives && work < share * (spent_ + price_)))) return false;
   const double price = own > 0 ? own : price_;
-  spent_ += price;
+  spent_ += price, stuck_ = false;  // paid for: of an iteration's forces others may pull
   next_look_ = std::max(rarer * work, share * (spent_ + price));
   return true;
 }
@@ -173,9 +173,11 @@ Promise::Bound Promise::look(bool stands) {
     most = along(0, std::max(program_->scale(v_), reach_));
   }
   double before = infinity;
-  vain_ = true;
+  const bool was_vain = std::exchange(vain_, true);
+  const auto sticks = [&] { return 3 * std::ranges::count(modes_->mode, Mode::stick) == program_->rows(); };
   for (int round = 0; round < most_rounds && !stands; ++round) {
     const bool others = modes_->choose(*program_, y_, s_);
+    if (round == 0 && was_vain && stuck_ && sticks()) break;  // it would end as the last
     if (!(round == 0 ? modes_->has_factor(*program_) || factorize() : (others || modes_->slides()) && factorize()))
       break;
     const double still = settle(), size = std::max(program_->scale(v_), reach_), missed = modes_->missed(*program_, s_);
@@ -193,6 +195,7 @@ Promise::Bound Promise::look(bool stands) {
   const double motion = program_->least_motion(v_) - most;
   const bool is_known = most < infinity && (motion > 0 || most == 0);
   vain_ = vain_ && !is_known && !modes_->slides();  // of what slides another factor may lead there
+  stuck_ = sticks();
   return is_known ? Bound{most > 0 ? most / motion : 0, most <= enough(motion, program_->exponent())} : Bound();
 }
 
@@ -347,10 +350,8 @@ Prover& prover_in(Session<Promise>& kept) {
 void Promise::end(const Problem& problem, const SolveOptions& options, Solution& solution) {
   double& bound = solution.error_bound;
   if (std::isnan(bound)) judge(problem, options, solution);
-  if (std::isfinite(bound))
-    bound += rounding_of(problem, solution.z);
-  else
-    bound = options.prover ? infinity : Solution::unknown;
+  if (!std::isfinite(bound)) bound = options.prover ? infinity : Solution::unknown;
+  bound += rounding_of(problem, solution.z);
 }
 
 }  // namespace zwang

@@ -74,7 +74,7 @@ class Promise final : public Prover {
   Session<ConeProgram> own_;  // opened by the first look: to make one takes a tenth of a small solve
   ConeProgram* program_ = nullptr;
   ModeEquations own_modes_, *modes_ = nullptr;
-  bool ready_ = false, failed_ = false, arrived_ = false, takes_any_ = false;
+  bool ready_ = false, failed_ = false, arrived_ = false, takes_any_ = false, stuck_ = false;
   bool hopeless_ = false, vain_ = false;           // no look can hold; the last did not, whatever is asked for
   double factor_rounding_ = 0, row_rounding_ = 0;  // more where M ties unknowns to each other
   double spent_ = 0, price_ = 0, next_look_ = 0, lightest_ = 0;
