@@ -349,10 +349,10 @@ def judge_gradient(problem, solution, gradient, wrt, direction=None, *, z_bar=No
     """Whether a gradient is right, whoever computed it: a GradientJudgement with the verdict "right", "wrong", "undecided" or
     "kink: [rows]", and proven bounds at_least and at_most on its distance from the true one.
 
-    gradient: dz (n) in a direction, as in gradient(); its distance is in the M-norm, relative to the larger of dz and of the change of
-    the free motion. Or, with z_bar (n), the gradient with respect to `wrt` of a number whose gradient with respect to z is z_bar, as a
-    backward pass gives it; its distance is in the sum of squares, relative to the larger of the true gradient and that of a motion that
-    no row holds. Raises ValueError as gradient() does.
+    gradient: dz (n) in a direction, as in gradient(); its distance is in the M-norm, relative to the largest of dz, of the change of the
+    free motion, and of what the move of one row alone would do. Or, with z_bar (n), the gradient with respect to `wrt` of a number whose
+    gradient with respect to z is z_bar, as a backward pass gives it; its distance is in the sum of squares, relative to the larger of the
+    true gradient and that of a motion that no row holds. Raises ValueError as gradient() does.
     """
     from . import gradients
     return gradients.judge_gradient(problem, solution, gradient, wrt, direction, z_bar, law, _share(tolerance))

@@ -12,7 +12,7 @@ import scipy.sparse
 from . import _part, _real
 from .complementarity import Complementarity
 from .enclosure import EPSILON, UP, Regular, Rows, Unproven
-from .modes import HELD, OPEN, Branch, Parts, Settled, length
+from .modes import HELD, OPEN, SLIDES, Branch, Parts, Settled, length
 from .semidefinite import exact_basis
 from .ties import Exactly, Tie
 
@@ -260,12 +260,9 @@ class Gradient:
 
     def jvp(self, dM=None, dz_u=None, dJ=None, dc=None, dmu=None):
         """The Derivative in a direction: dM n x n and symmetric, dz_u n, dJ m x n, dc m, dmu m, each 0 where it is not given."""
-        if self.laid:
-            change = self.laid.forward(Change(Parts(self.laid.given), dM, dz_u, dJ, dc, dmu))
-        else:
-            change = Change(self.p, dM, dz_u, dJ, dc, dmu)
+        change = Change(Parts(self.laid.given) if self.laid else self.p, dM, dz_u, dJ, dc, dmu)
         try:
-            return self.along(change)
+            return self.along(self.laid.forward(change) if self.laid else change)
         except Unproven as unproven:
             raise ValueError(f"no gradient: {unproven}") from None
 
@@ -281,6 +278,39 @@ class Gradient:
         self.fill(out, y[0], abs(y[1]) + y[2])
         self.look_ahead(out, y[0], change, t)
         return out
+
+    def alone(self, change):
+        """The largest motion, in the M-norm, that one part of a change makes by itself: a force where no row holds, or the move of one row
+        where no other one holds. A derivative that is smaller, because parts of it cancel, is rounded at this size."""
+        p, b, z = self.p, self.branch, self.branch.high[:self.p.n]
+        moves = [abs(change.dJ @ z), abs(change.dc)]
+        if self.laid:
+            moves, change = self.laid.moves(moves, change, z), self.laid.forward(change)
+        moves, ties = numpy.max(moves, axis=0), {t.contact.row: t for t in self.ties}
+        forces = [p.M @ change.dz_u, change.dM @ (z - p.z_u), change.dJ.T @ b.force]
+        lines = []  # a row, how far it moves, and how it gives way to a force
+
+        def holds(rows):
+            lines.extend((p.J[i].toarray()[0], moves[i], 0.0) for i in rows if moves[i])
+        holds(b.held)
+        for c, mode in zip(p.contacts, b.modes):
+            tie, i, t = ties.get(c.row), c.row, c.tangents
+            if tie and tie.word != "edge":
+                holds(c.rows if tie.word == "apex" else [i])
+            if not t or not (mode == SLIDES or tie and tie.word != "apex"):
+                continue
+            rubs, slip = p.J[t].toarray(), length(b.slack[t])
+            direction = tie.direction if tie else b.slack[t] / slip
+            forces.append(change.dmu[i] * b.force[i] * (direction @ rubs))
+            if mode == SLIDES and len(t) == 2:
+                lines += [(row, moves[k], slip / (c.mu * b.force[i])) for row, k in zip(rubs, t)]
+            if p.convex and mode != HELD:
+                lines.append((p.J[i].toarray()[0] - c.mu * (direction @ rubs),
+                              max(moves[i], c.mu * max(moves[t]), abs(change.dmu[i]) * slip), 0.0))
+        A = numpy.array([*forces, *(row for row, *_ in lines)]).T
+        squares = numpy.maximum((A * p.solve_mass(A).reshape(A.shape)).sum(axis=0), 0)
+        of_rows = [move * math.sqrt(square) / (give + square) for (_, move, give), square in zip(lines, squares[len(forces):]) if square]
+        return float(max([*numpy.sqrt(squares[:len(forces)]), *of_rows]))
 
     def look_ahead(self, out, x, change, t):
         """To first order, the step at which a row first changes its mode."""
@@ -703,6 +733,11 @@ class Laid:
         change.dmu = numpy.zeros(self.T.shape[0]) if self.edges else self.T @ change.dmu
         return change
 
+    def moves(self, moves, change, z):
+        """How far the law's rows move by each of the moves of the given ones, and by dmu."""
+        slack = self.given.J @ z - numpy.where(numpy.isfinite(self.given.c), self.given.c, 0)
+        return [*(abs(self.T) @ move for move in moves), abs((self.owner @ change.dmu) * (self.turn @ slack))]
+
     def back(self, out, bound):
         rows, c = self.given.J, numpy.where(numpy.isfinite(self.given.c), self.given.c, 0)
         T, size = self.T, 8 * EPSILON
@@ -813,7 +848,8 @@ def apart(low, high, off, scale):
 def judge_gradient(problem, solution, given, wrt, direction, z_bar, law, tolerance):
     of = gradient_of(problem, solution, law)
     if z_bar is None:
-        true = of.jvp(**parameters(wrt, direction))
+        named = parameters(wrt, direction)
+        true = of.jvp(**named)
         got = numbers(given, "gradient")
         if got.shape != (of.p.n,):
             raise ValueError(f"gradient should have {of.p.n} entries, and has the shape {got.shape}")
@@ -823,7 +859,8 @@ def judge_gradient(problem, solution, given, wrt, direction, z_bar, law, toleran
             return GradientJudgement(true.kink, math.inf, math.inf, 0.0, tolerance, "it has entries that are not finite")
         # |v|_M <= |v'| over the diagonal times the root of the size holds for any positive definite M.
         width = math.sqrt(of.p.n) * math.sqrt(of.p.M.diagonal() @ true.enclosure**2) * UP
-        d, scale = got - true.dz, max(of.norm(true.dz), of.norm(true.free))
+        alone = of.alone(Change(Parts(of.laid.given) if of.laid else of.p, **named))
+        d, scale = got - true.dz, max(of.norm(true.dz), of.norm(true.free), alone)
         square, off = d @ (of.p.M @ d), (of.p.n + 8) * EPSILON * (abs(d) @ (abs(of.p.M) @ abs(d)))
         low, high = apart(math.sqrt(max(square - off, 0.0)), math.sqrt(max(square + off, 0.0)), width, scale)
         return GradientJudgement(true.kink, low, high, scale, tolerance, true.note if true.kink else "")

@@ -384,6 +384,18 @@ class Judged(unittest.TestCase):
                 self.assertEqual(zwang.judge_gradient(p.problem, p.given(), dz * numpy.nan, wrt).verdict, "wrong")
         self.assertGreater(counted, 20)
 
+    def test_a_derivative_whose_parts_cancel_is_judged_at_the_size_of_its_parts(self):
+        """A block slides to the right: s_n = mu s_t stays as it is where c changes by (mu, 1)."""
+        for law, mu in itertools.product(("pyramid", "convex"), (0.5, 0.3)):
+            block = zwang.Problem(numpy.eye(2), [4, -1], [[0, 1], [1, 0]], [0, 0], tangent=[False, True], mu=[mu, 0])
+            answer = zwang.solve(block, "cone" if law == "convex" else "auto", law=law, tolerance=1e-14)
+            for off, verdict in ((0, "right"), (1e-8, "wrong")):
+                judged = zwang.judge_gradient(block, answer, [off, 0], "c", [mu, 1], law=law)
+                self.assertEqual(judged.verdict, verdict, (law, mu))
+                self.assertTrue(0.4 * mu < judged.scale < 1, judged.scale)
+            own = zwang.gradient(block, answer, "c", [mu, 1], law=law).dz
+            self.assertEqual(zwang.judge_gradient(block, answer, own, "c", [mu, 1], law=law).verdict, "right")
+
     def test_bounds_of_a_backward_pass_hold(self):
         for seed in range(30):
             p = Planted(seed, "coulomb")
