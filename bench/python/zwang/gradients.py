@@ -53,6 +53,10 @@ class Derivative:
         return f"<zwang.Derivative: {text}{'; ' + self.note if self.note else ''}>"
 
 
+class FarOff(Unproven):
+    """What is proven is not the given answer."""
+
+
 class Change:
     """One direction: dM, dz_u, dJ, dc, dmu."""
 
@@ -108,7 +112,7 @@ class Gradient:
         size = max(self.norm(p.z_u), self.norm(b.high[:p.n]))
         self.distance = self.norm(off) / size if size else self.norm(off)
         if not self.distance <= FAR:
-            raise Unproven(f"the answer is no solution: it is {self.distance:.3g} of the motion off one")
+            raise FarOff(f"it is {self.distance:.3g} of the motion off one")
         self.exactly = Exactly(self.settled)
         self.ties = [self.tie(contact) for contact in self.settled.ties]
         if self.ties:
@@ -785,25 +789,38 @@ def gradient_of(problem, solution, law, proof=True):
         return _part("quick_gradients").QuickGradient(problem, solution, laid)
     from . import solve
     z, force = answer(problem, solution)
-    why = None
+    first = None
     if len(force) == problem.rows:
         try:
             return Gradient(problem, z, z, force, laid)
         except (Unproven, OverflowError) as unproven:
-            why = why_not(unproven)
+            first = unproven
     found = solve(problem, "cone" if problem.tangent.any() else "dual_active_set", tolerance=1e-12)
     if found.status == "infeasible":
         raise ValueError("no gradient: the problem is infeasible")
     if len(found.z) != problem.size or len(found.lambda_) != problem.rows:
-        raise ValueError(f"no gradient: {why or found.status}")
+        raise ValueError(f"no gradient: {why_not(first, problem, z, force) if first else found.status}")
     try:
         return Gradient(problem, z, z if problem.law == "coulomb" else found.z, found.lambda_, laid)
     except (Unproven, OverflowError) as unproven:
-        raise ValueError(f"no gradient: {why_not(unproven)}") from None
+        raise ValueError(f"no gradient: {why_not(unproven, problem, z, force)}") from None
 
 
-def why_not(unproven):
-    return "the answer's squares are beyond doubles" if isinstance(unproven, OverflowError) else str(unproven)
+def why_not(unproven, problem, z, force):
+    """Why there is no gradient, in words that are true of the answer: under Coulomb's law it may be a solution beside the proven one."""
+    if isinstance(unproven, OverflowError):
+        return "the answer's squares are beyond doubles"
+    if not isinstance(unproven, FarOff):
+        return str(unproven)
+    from . import judge
+    verdict = judge(problem, z, force).verdict if problem.law == "coulomb" else "wrong"
+    if verdict == "wrong":
+        return f"the answer is no solution: {unproven}"
+    if not len(force):
+        return "there may be several solutions, and the answer is not near the one that is proven: expected its forces, too, (z, lambda)"
+    if verdict == "undecided":
+        return f"it is not known whether the answer is a solution, and {unproven} that is proven"
+    return f"solutions are not isolated, or nearly so: the answer meets its conditions, and {unproven} that is proven with its modes"
 
 
 def wanted(wrt):

@@ -639,6 +639,19 @@ class Several(unittest.TestCase):
         wrong = (rod.c[0] - J[0] @ rod.z_u) / (J[0] @ (J[0] + mu * J[1]))
         with self.assertRaisesRegex(ValueError, "no solution"):
             zwang.gradient_of(rod, (rod.z_u + J.T @ [wrong, mu * wrong], [wrong, mu * wrong]))
+        with self.assertRaisesRegex(ValueError, r"expected its forces, too, \(z, lambda\)$"):
+            zwang.gradient_of(rod, z)
+
+    def test_one_of_a_continuum_of_solutions_is_called_no_wrong_one(self):
+        z, force = numpy.array([0, -1, -1.0]), numpy.array([5120.0, -10240])
+        many = zwang.Problem([[3, -2, -2], [-2, 4, 3], [-2, 3, 4]], [0, -16, -16],
+                             [[0, -(2.0**-10), 2.0**-10], [3 * 2.0**-9, -11 * 2.0**-10, -5 * 2.0**-9]], [0, 2.0**-10],
+                             tangent=[False, True], mu=[2, 0])
+        numpy.testing.assert_array_equal(many.M @ (z - many.z_u), many.J.T @ force)
+        numpy.testing.assert_array_equal(many.J @ z - many.c, [0, 5 * 2.0**-8])  # it slides, and the force stands against it
+        for wrt, direction in (("z_u", [1, 0, 0]), ("mu", [1, 0])):
+            with self.assertRaisesRegex(ValueError, "^no gradient: solutions are not isolated, or nearly so: the answer meets its conditions"):
+                zwang.gradient(many, (z, force), wrt, direction)
 
 
 class Refused(unittest.TestCase):
