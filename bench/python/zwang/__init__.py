@@ -48,7 +48,7 @@ def _numbers(value, name, size=None):
         return numpy.empty(0)
     try:
         array = numpy.array(_real(value), dtype=numpy.float64, order="C")
-    except (TypeError, ValueError) as bad:
+    except (TypeError, ValueError, OverflowError) as bad:
         raise ValueError(f"{name} should be a vector of numbers: {bad}") from None
     if array.ndim == 0:
         array = numpy.full(1 if size is None else size, float(array))
@@ -70,6 +70,21 @@ def _whole(value, name, most=2**31 - 1):
     if not numpy.isfinite(_number(value, name)) or int(value) != value or not 0 <= int(value) <= most:
         raise ValueError(f"{name} should be a whole number from 0 to {most}: {value!r:.80}")
     return int(value)
+
+
+def _yes(value, name):
+    if not isinstance(value, (bool, numpy.bool_)):
+        raise ValueError(f"{name} should be True or False: {value!r:.80}")
+    return bool(value)
+
+
+def _positive(values, name):
+    """A list of finite numbers above 0."""
+    numbers = _numbers(values, name)
+    bad = numpy.flatnonzero(~(numpy.isfinite(numbers) & (numbers > 0)))
+    if len(bad):
+        raise ValueError(f"{name}: entry {bad[0]} is {numbers[bad[0]]:g}; expected a finite number above 0")
+    return numbers.tolist()
 
 
 def _problem(problem):
@@ -138,7 +153,13 @@ def _program(P, q, G, h, A, b, lb, ub):
 
 def _init(self, M, z_u, J=None, c=None, *, equality=0, tangent=None, mu=None, law=None, name="problem"):
     z_u = _numbers(z_u, "z_u")
-    c = _numbers(c, "c")
+    rows_given, c, n = c is not None, _numbers(c, "c"), len(z_u)
+    M, J = _matrix(M, "M", n, False), _matrix(J, "J", n, True)
+    if J.shape[0] and not rows_given:
+        raise ValueError(f"c is missing: expected {J.shape[0]} entries, one a row of J")
+    for which, matrix, shape, of in (("M", M, (n, n), f"z_u has {n} entries"), ("J", J, (len(c), n), f"c has {len(c)} entries and z_u {n}")):
+        if matrix.shape != shape:
+            raise ValueError(f"{which} should be {shape[0]} x {shape[1]}, as {of}, and is {matrix.shape[0]} x {matrix.shape[1]}")
     mask = numpy.asarray(equality)
     if mask.ndim == 0:
         if mask.dtype == bool or not numpy.issubdtype(mask.dtype, numpy.integer) or not 0 <= int(mask) <= len(c):
@@ -157,7 +178,7 @@ def _init(self, M, z_u, J=None, c=None, *, equality=0, tangent=None, mu=None, la
     mu = mu if slips.any() else numpy.empty(0)
     if law is None:
         law = "coulomb" if slips.any() else "frictionless"
-    _made(self, _matrix(M, "M", len(z_u), False), z_u, _matrix(J, "J", len(z_u), True), c, mask, slips, mu, str(law), str(name))
+    _made(self, M, z_u, J, c, mask, slips, mu, str(law), str(name))
 
 
 def _under(problem, law):
@@ -250,7 +271,7 @@ def _setting(value):
 
 
 def _share(tolerance):
-    if not 0 < float(tolerance) < 1:
+    if not 0 < _number(tolerance, "tolerance") < 1:
         raise ValueError(f"tolerance should lie between 0 and 1: {tolerance!r}")
     return float(tolerance)
 
@@ -272,9 +293,12 @@ def solve(problem, solver="auto", *, tolerance=1e-10, accuracy=None, max_iterati
     text = solver + (":" + ",".join(f"{k}={_setting(v)}" for k, v in settings.items()) if settings else "")
     problem = _problem(problem) if law is None else _problem(problem).under(law)
     warm = None if warm_start is None else _numbers(warm_start, "warm_start")
+    if warm is not None and not numpy.isfinite(warm).all():
+        bad = numpy.flatnonzero(~numpy.isfinite(warm))[0]
+        raise ValueError(f"warm_start({bad}) is {warm[bad]}; expected a finite number")
     if accuracy == "":
         raise ValueError("accuracy: expected a value, and it is empty")
-    accuracy = "" if accuracy is None else accuracy if isinstance(accuracy, str) else repr(float(accuracy))
+    accuracy = "" if accuracy is None else accuracy if isinstance(accuracy, str) else repr(_number(accuracy, "accuracy"))
     return _zwang.solve(problem, text, _number(tolerance, "tolerance"), accuracy, _whole(max_iterations, "max_iterations"),
                         float(time_limit), warm, solver.split(":")[0] in _python_solvers)
 
@@ -328,6 +352,7 @@ def gradient_of(problem, solution, *, law=None, proof=True):
     tie than that is named as a kink. The derivative is one factorization, or a few at a kink, without enclosure and reach, and refused where only the
     proof tells: at a kink of friction, and where forces are not unique and J, c or mu change, or contacts slide.
     """
+    problem, proof = _problem(problem), _yes(proof, "proof")
     if law is None and not proof:  # a call less, in an inner loop
         return _part("quick_gradients").QuickGradient(problem, solution)
     return _part("gradients").gradient_of(problem, solution, law, proof)
@@ -342,7 +367,7 @@ def gradient(problem, solution, wrt, direction=None, *, law=None, proof=True):
     proof=False: without the proof and the enclosure, in less than the time of a solve, but for some kinks (gradient_of).
     """
     gradients = _part("gradients")
-    return gradients.gradient_of(problem, solution, law, proof).jvp(**gradients.parameters(wrt, direction))
+    return gradient_of(problem, solution, law=law, proof=proof).jvp(**gradients.parameters(wrt, direction))
 
 
 def judge_gradient(problem, solution, gradient, wrt, direction=None, *, z_bar=None, law=None, tolerance=1e-9):
@@ -355,7 +380,7 @@ def judge_gradient(problem, solution, gradient, wrt, direction=None, *, z_bar=No
     true gradient and that of a motion that no row holds. Raises ValueError as gradient() does.
     """
     from . import gradients
-    return gradients.judge_gradient(problem, solution, gradient, wrt, direction, z_bar, law, _share(tolerance))
+    return gradients.judge_gradient(_problem(problem), solution, gradient, wrt, direction, z_bar, law, _share(tolerance))
 
 
 def compare_gradients(scenes, *, steps=(1e-3, 1e-5, 1e-7), smoothings=(1e-2, 1e-4, 1e-6), law=None, seed=1):
@@ -366,6 +391,7 @@ def compare_gradients(scenes, *, steps=(1e-3, 1e-5, 1e-7), smoothings=(1e-2, 1e-
     reach, width (of the enclosure), differences {step: error}, soft {smoothing: error}, note (why there is nothing to compare with).
     """
     from . import usual_gradients
+    steps, smoothings = _positive(steps, "steps"), _positive(smoothings, "smoothings")
     given = [scenes] if isinstance(scenes, str) or not numpy.iterable(scenes) else scenes
     problems = [p for one in given for p in _problems(scene(one, seed) if isinstance(one, str) else one)]
     return [usual_gradients.compare(p if law is None else p.under(law), steps, smoothings, seed) for p in problems]
@@ -380,14 +406,14 @@ def scene_change(problem, body=None, *, pose=None, velocity=None, mass=0.0, mu=0
     not changed. Raises ValueError where no scene made the problem (files, random rows, problems under the pyramid).
     """
     from . import scene_changes
-    return scene_changes.change(problem, body, pose, velocity, mass, mu)
+    return scene_changes.change(_problem(problem), body, pose, velocity, mass, mu)
 
 
 def scene_gradient(problem, bars):
     """What a backward pass leaves at the scene: bars is what gradient_of(...).vjp(z_bar) returned. A dict of "pose" (bodies x 6),
     "velocity" (bodies x 6), "mass" (bodies) and "mu", each the gradient with respect to that argument of scene_change()."""
     from . import scene_changes
-    return scene_changes.gradient(problem, bars)
+    return scene_changes.gradient(_problem(problem), bars)
 
 
 def add_solver(name, function, method="a Python function"):

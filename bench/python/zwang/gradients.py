@@ -66,7 +66,7 @@ class Change:
                 return scipy.sparse.csr_matrix(shape)
             try:
                 A = scipy.sparse.csr_matrix(_real(value), dtype=float, copy=True)
-            except (TypeError, ValueError) as bad:
+            except (TypeError, ValueError, OverflowError) as bad:
                 raise ValueError(f"{name} should be a matrix of numbers: {str(bad).splitlines()[0]}") from None
             if A.shape != shape:
                 raise ValueError(f"{name} should have the shape {shape}, and has {A.shape}")
@@ -80,7 +80,7 @@ class Change:
         def vector(value, name, size):
             try:
                 v = numpy.zeros(size) if value is None else numpy.array(_real(value), dtype=float)
-            except (TypeError, ValueError) as bad:
+            except (TypeError, ValueError, OverflowError) as bad:
                 raise ValueError(f"{name} should be a vector of numbers: {bad}") from None
             if v.shape != (size,):
                 raise ValueError(f"{name} should have {size} entries, and has the shape {v.shape}")
@@ -674,7 +674,7 @@ def outer(a, a_off, b, b_off):
 def numbers(value, name):
     try:
         return numpy.array(_real(value), dtype=float)
-    except (TypeError, ValueError) as bad:
+    except (TypeError, ValueError, OverflowError) as bad:
         raise ValueError(f"{name} should be numbers: {str(bad).splitlines()[0]}") from None
 
 
@@ -772,7 +772,7 @@ def answer(problem, solution):
         z, force = solution if isinstance(solution, tuple) and len(solution) == 2 else (solution, [])
     try:
         z, force = numpy.array(_real(z), dtype=float), numpy.array(_real(force), dtype=float)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise ValueError("solution should be what zwang.solve returns, z, or (z, lambda)") from None
     for name, v, size in (("z", z, problem.size), ("lambda", force, problem.rows)):
         if v.shape != (size,) and not (name == "lambda" and not v.size):
@@ -824,7 +824,7 @@ def why_not(unproven, problem, z, force):
 
 
 def wanted(wrt):
-    names = (wrt,) if isinstance(wrt, str) else tuple(wrt)
+    names = (wrt,) if isinstance(wrt, str) else tuple(wrt) if numpy.iterable(wrt) else ()
     if not names or not all(name in NAMES for name in names):
         raise ValueError(f"wrt should be names among {', '.join(NAMES)}")
     return names

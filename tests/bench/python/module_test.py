@@ -140,7 +140,9 @@ class Problems(unittest.TestCase):
                              (dict(M=-numpy.eye(2)), "positive definite"), (dict(z_u=[math.nan, 0]), "z_u(0)"),
                              (dict(c=[math.inf]), "c(0)"), (dict(J=[[1, 0, 0]]), "J"), (dict(z_u="x"), "z_u"),
                              (dict(M=[["a"]]), "M"), (dict(equality=2), "equality"), (dict(J=numpy.ones((1, 1, 2))), "J"),
-                             (dict(equality=[0.5]), "equality"), (dict(z_u=numpy.ones((2, 2))), "z_u")]:
+                             (dict(equality=[0.5]), "equality"), (dict(z_u=numpy.ones((2, 2))), "z_u"),
+                             (dict(c=None), "c is missing: expected 1 entries"), (dict(J=None), "J should be 1 x 2, as c has 1 entries and z_u 2"),
+                             (dict(c=[1, 2]), "J should be 2 x 2, as c has 2"), (dict(z_u=[10**400, 0]), "z_u")]:
             with self.assertRaises(ValueError) as raised:
                 zwang.Problem(**{**good, **spoilt})
             self.assertIn(word, str(raised.exception))
@@ -262,7 +264,7 @@ class Solving(unittest.TestCase):
         for wrong in [dict(max_iterations=-1), dict(solver="nnlss"), dict(solver="nnls", no_such=1), dict(solver="pgs", max_sweeps="many"),
                       dict(tolerance=2.0), dict(warm_start=[1.0]), dict(max_iterations=10**10), dict(max_iterations=1.5),
                       dict(max_iterations="many"), dict(time_limit=-1), dict(time_limit=math.nan), dict(time_limit="x"), dict(tolerance=[]),
-                      dict(accuracy="")]:
+                      dict(accuracy=""), dict(accuracy=[1e-4]), dict(warm_start=[math.nan] * 8)]:
             with self.assertRaises(ValueError) as raised:
                 zwang.solve(problem, **wrong)
             self.assertEqual(len(str(raised.exception).splitlines()), 1)
@@ -283,6 +285,16 @@ class Solving(unittest.TestCase):
                            (lambda: zwang.bench(problem, tolerances="few"), "a tolerance should be a number"),
                            (lambda: zwang.bench(suite="collision"), "the suite collision compares no solvers"),
                            (lambda: zwang.compare_gradients([3]), "problem should be a zwang.Problem"),
+                           (lambda: zwang.compare_gradients([], steps=[1e-3, 0]), "steps: entry 1 is 0; expected a finite number above 0"),
+                           (lambda: zwang.compare_gradients([], smoothings=[-1]), "smoothings: entry 0 is -1; expected a finite"),
+                           (lambda: zwang.gradient(None, answer, "c", [1]), "problem should be a zwang.Problem"),
+                           (lambda: zwang.gradient_of(None, answer, proof=False), "problem should be a zwang.Problem"),
+                           (lambda: zwang.gradient_of(problem, answer, proof="no"), "proof should be True or False: 'no'"),
+                           (lambda: zwang.gradient(problem, answer, "c", [10**400] * 8), "dc should be a vector of numbers: int too large"),
+                           (lambda: zwang.gradient_of(problem, answer).vjp(problem.z_u, wrt=None), "wrt should be names among"),
+                           (lambda: zwang.judge(problem, answer, tolerance="a"), "tolerance should be a number: 'a'"),
+                           (lambda: zwang.solve(problem, accuracy=[1e-4]), r"accuracy should be a number: \[0.0001\]"),
+                           (lambda: zwang.solve(problem, warm_start=[0] * 3 + [math.nan] * 5), r"warm_start\(3\) is nan; expected a finite number"),
                            (lambda: zwang.gradient(problem, answer, "z_u", 1j * problem.z_u), "dz_u .* it has complex entries"),
                            (lambda: zwang.gradient(problem, answer, "M", 1j * problem.M), "dM .* it has complex entries"),
                            (lambda: zwang.judge_qp(numpy.zeros((1, 1)), [1e200], lb=1e200, x=[1e200]), "the objective is beyond doubles")):

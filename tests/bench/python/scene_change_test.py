@@ -116,6 +116,9 @@ class SceneChanges(unittest.TestCase):
                            ("6 finite", lambda: zwang.scene_change(box, 1, pose=[1, 2])),
                            ("finite", lambda: zwang.scene_change(box, 1, mass=numpy.nan)),
                            ("six numbers", lambda: zwang.scene_change(box, 1, pose="x")),
+                           ("0 to 1: 1.5", lambda: zwang.scene_change(box, 1.5, mass=1)), ("mass", lambda: zwang.scene_change(box, 1, mass="a")),
+                           (r"bars.'M'. should have the shape \(6, 6\), as the problem, and has \(12, 12\)",
+                            lambda: zwang.scene_gradient(box, {"M": numpy.eye(12), "z_u": 0, "J": 0, "c": 0, "mu": 0})),
                            ("bars has no .M.", lambda: zwang.scene_gradient(box, {"z_u": numpy.zeros(6), "c": numpy.zeros(4)})),
                            ("not unique", lambda: zwang.scene_gradient(box, zwang.gradient_of(box, zwang.solve(box)).vjp(numpy.ones(6))))]:
             with self.subTest(word):
