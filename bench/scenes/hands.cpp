@@ -1,3 +1,4 @@
+#include <Eigen/QR>
 #include <algorithm>
 
 #include <zwang/bench/scenes/families.h>
@@ -7,7 +8,6 @@
 #include <zwang/constraints/contact.h>
 #include <zwang/constraints/weld.h>
 #include <zwang/core/model/motion.h>
-#include <zwang/core/problem/dense.h>
 
 namespace zwang {
 namespace {
@@ -61,7 +61,7 @@ Vector free_motion(const hand::Poses& poses) {
   hand::add(scene, poses);
   Problem problem;
   Assembler{}.assemble(scene, Vector::Zero(6 * hand::bodies), {.dt = frame_dt}, problem);
-  return least_norm_solution(Matrix(problem.J), problem.c);
+  return Matrix(problem.J).completeOrthogonalDecomposition().solve(problem.c);
 }
 
 // Several contacts per phalanx, on one flat face under its pad: four or more rows of rank three, with different gaps,

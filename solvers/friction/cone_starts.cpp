@@ -33,11 +33,11 @@ constexpr double promising_from = 0.001;
 
 // What a start is too large or too small for shows at the end only.
 const std::array<ConeStarts::Rung, 9> ConeStarts::ladder{
-    {{&ConeStarts::always, &ConeStarts::from_rest},
+    {{nullptr, &ConeStarts::from_rest},
      {&ConeStarts::has_warm, &ConeStarts::from_warm},
-     {&ConeStarts::may_take_few_steps, &ConeStarts::from_few_steps},
-     {&ConeStarts::may_follow, &ConeStarts::from_path, 10},
-     {&ConeStarts::may_follow, &ConeStarts::from_path, 0.3},
+     {&ConeStarts::may_take_few_steps, &ConeStarts::from_inside_once, first_start, Way::quick},
+     {&ConeStarts::may_follow, &ConeStarts::from_inside_once, 10, Way::path},
+     {&ConeStarts::may_follow, &ConeStarts::from_inside_once, 0.3, Way::path},
      {&ConeStarts::may_start, &ConeStarts::from_start},
      {&ConeStarts::may_start, &ConeStarts::from_start, 0.03},
      {&ConeStarts::has_slips, &ConeStarts::from_convex_problems},
@@ -45,8 +45,8 @@ const std::array<ConeStarts::Rung, 9> ConeStarts::ladder{
 
 ConeStarts::End ConeStarts::climb(const Job& job) {
   End end = End::failed;
-  for (const auto& [applies, run, start] : ladder)
-    if (end == End::failed && (this->*applies)(job, start)) end = (this->*run)(job, start);
+  for (const Rung& rung : ladder)
+    if (end == End::failed && (!rung.applies || (this->*rung.applies)(job, rung))) end = (this->*rung.run)(job, rung);
   return end;
 }
 
@@ -65,7 +65,7 @@ bool ConeStarts::takes(const Job& job, const ConeProgram::Residual& r, const Vec
   return accepted;
 }
 
-ConeStarts::End ConeStarts::from_rest(const Job& job, double) {
+ConeStarts::End ConeStarts::from_rest(const Job& job, const Rung&) {
   modes_.begin(program_, job.best.v, job.best.y);
   job.best.keep(modes_.v, modes_.y, modes_.residual.natural);
   return modes_.residual.natural <= tolerances::cone_exact * program_.scale(modes_.v) ? End::accepted : End::failed;
@@ -79,11 +79,11 @@ bool ConeStarts::run_modes(const Job& job, int most, int more) {
   return takes(job, modes_.residual, modes_.v, modes_.y, modes_.settled);
 }
 
-bool ConeStarts::has_warm(const Job& job, double) {
+bool ConeStarts::has_warm(const Job& job, const Rung&) {
   return program_.is_dense() && program_.warm(job.problem, job.options.warm_start, modes_.y);
 }
 
-ConeStarts::End ConeStarts::from_warm(const Job& job, double) {
+ConeStarts::End ConeStarts::from_warm(const Job& job, const Rung&) {
   modes_.v.setZero(program_.face().unknowns());
   program_.face().force(modes_.y, modes_.v);
   modes_.begin(program_, modes_.v, modes_.y);
@@ -92,35 +92,31 @@ ConeStarts::End ConeStarts::from_warm(const Job& job, double) {
   return run_modes(job, lifts ? few_warm : most_warm, lifts ? more_warm : 0) ? End::accepted : End::failed;
 }
 
-ConeStarts::End ConeStarts::from_start(const Job& job, double start) {
+ConeStarts::End ConeStarts::from_start(const Job& job, const Rung& rung) {
   Best& best = job.best;
-  if (start == first_start && program_.is_dense() && inside_.follows() && arrives(best, tolerances::cone_near_behind)) {
+  if (rung.start == first_start && program_.is_dense() && inside_.follows() &&
+      arrives(best, tolerances::cone_near_behind)) {
     program_.face().force(best.y, modes_.v);  // the best may be a guess, whose motion is not that of its forces
     modes_.begin(program_, modes_.v, best.y, true);
     if (run_modes(job, most_behind_path)) return End::accepted;
   }
-  if (start == first_start || !is_near(best)) begun_ = job.solution.iterations;
-  return job.solution.iterations - begun_ < most_coupled ? from_inside(job, start) : End::failed;
+  if (rung.start == first_start || !is_near(best)) begun_ = job.solution.iterations;
+  return job.solution.iterations - begun_ < most_coupled ? from_inside(job, rung.start) : End::failed;
 }
 
-bool ConeStarts::may_take_few_steps(const Job& job, double) {
+bool ConeStarts::may_take_few_steps(const Job& job, const Rung&) {
   return program_.couples() && !(arrives(job.best, tolerances::cone_arrives) && job.solution.iterations > 0);
 }
 
-ConeStarts::End ConeStarts::from_few_steps(const Job& job, double start) {
-  begun_ = job.solution.iterations;
-  return from_inside(job, start, Way::quick);
-}
-
-bool ConeStarts::may_follow(const Job&, double) {
+bool ConeStarts::may_follow(const Job&, const Rung&) {
   if (!program_.couples() || !inside_.follows()) return program_.couples();
   const double unit = program_.start();
   return program_.is_dense() && !(inside_.gap() <= tolerances::cone_far_end * unit * unit);
 }
 
-ConeStarts::End ConeStarts::from_path(const Job& job, double start) {
+ConeStarts::End ConeStarts::from_inside_once(const Job& job, const Rung& rung) {
   begun_ = job.solution.iterations;
-  return from_inside(job, start, Way::path);
+  return from_inside(job, rung.start, rung.way);
 }
 
 bool ConeStarts::can_couple(const Job& job) {
@@ -230,7 +226,7 @@ ConeStarts::End ConeStarts::from_inside(const Job& job, double start, Way way) {
   }
 }
 
-ConeStarts::End ConeStarts::from_sweeps(const Job& job, double) {
+ConeStarts::End ConeStarts::from_sweeps(const Job& job, const Rung&) {
   if (!sweeps_.begin(program_)) return End::failed;
   Vector &v = swept_.v, &y = swept_.y;
   v.setZero(program_.face().unknowns());
@@ -295,12 +291,12 @@ bool ConeStarts::stands(const Job& job, bool at_last) {
   return true;
 }
 
-bool ConeStarts::has_slips(const Job& job, double) {
+bool ConeStarts::has_slips(const Job& job, const Rung&) {
   if (!program_.law().lifts()) return false;
   return program_.is_dense() || (!program_.face().takes_unsymmetric() && all_but_rests(job.best));
 }
 
-ConeStarts::End ConeStarts::from_convex_problems(const Job& job, double start) {
+ConeStarts::End ConeStarts::from_convex_problems(const Job& job, const Rung& rung) {
   const bool dense = program_.is_dense();
   const auto& [p, options, deadline, solution, best, finish] = job;
   SolveOptions rest = options;
@@ -315,7 +311,7 @@ ConeStarts::End ConeStarts::from_convex_problems(const Job& job, double start) {
     rest.max_iterations = most - solution.iterations;
     program_.state({}, &slips_);
     of_slips_.begin(program_);
-    const End end = from_inside({p, rest, deadline, of_convex_, of_slips_}, start);
+    const End end = from_inside({p, rest, deadline, of_convex_, of_slips_}, rung.start);
     solution.iterations += of_convex_.iterations;
     program_.state(law);
     if (end == End::limit) break;

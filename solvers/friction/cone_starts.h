@@ -69,39 +69,38 @@ class ConeStarts {
  private:
   // A start, and when it is tried where all before it failed. `start`: the size of an interior point's.
   struct Rung {
-    bool (ConeStarts::*applies)(const Job& job, double start);
-    End (ConeStarts::*run)(const Job& job, double start);
+    bool (ConeStarts::*applies)(const Job& job, const Rung& rung);
+    End (ConeStarts::*run)(const Job& job, const Rung& rung);
     double start = first_start;
+    Way way = Way::free;
   };
   static const std::array<Rung, 9> ladder;
 
   // z_u, where it meets the rows to rounding.
-  End from_rest(const Job& job, double);
-  bool always(const Job&, double) { return true; }
-  End from_warm(const Job& job, double);
-  bool has_warm(const Job& job, double);
+  End from_rest(const Job& job, const Rung&);
+  End from_warm(const Job& job, const Rung&);
+  bool has_warm(const Job& job, const Rung&);
+  End from_inside_once(const Job& job, const Rung& rung);
   // Coulomb's law, where few steps of the interior point are enough. (Where Newton's method on the modes came near from
   // an earlier answer and did not settle, contacts depend on each other, and they seldom are.)
-  End from_few_steps(const Job& job, double start);
-  bool may_take_few_steps(const Job& job, double);
+  bool may_take_few_steps(const Job& job, const Rung&);
   // Along the central path of Coulomb's law, as far as it leads; from_start() of size first_start then goes on from its
   // end. Behind another path where that ended at a fold, of dense rows: the one from another size may have none.
-  End from_path(const Job& job, double start);
-  bool may_follow(const Job& job, double);
+  bool may_follow(const Job& job, const Rung&);
   // Behind a path of dense rows, where something came near, Newton's method on the modes goes on from that first. From
   // another size where rows are not differentiated again.
-  End from_start(const Job& job, double start);
-  bool may_start(const Job& job, double start) { return start == first_start || !can_couple(job); }
+  End from_start(const Job& job, const Rung& rung);
+  bool may_start(const Job& job, const Rung& rung) { return rung.start == first_start || !can_couple(job); }
   // Coulomb's law as a fixed point of the slips (fixed_point.h): from the answer to the convex problem of the slips at
   // hand to Newton's method on the modes. Slower than the interior point, and led elsewhere. Of sparse rows the first
   // round alone, where all but nothing slides: of a heap at rest it is the answer, which the refreshed shift misses.
-  End from_convex_problems(const Job& job, double start);
-  bool has_slips(const Job& job, double);
+  End from_convex_problems(const Job& job, const Rung& rung);
+  bool has_slips(const Job& job, const Rung&);
   // Sparse rows under Coulomb's law that are differentiated: from the best iterate by sweeps over the contacts
   // (contact_sweeps.h), which come near an answer, to Newton's method on the modes. Piles where the interior point is
   // blocked. (What was tried in their place: docs/notes/stability.md.)
-  End from_sweeps(const Job& job, double);
-  bool may_sweep(const Job&, double) { return !program_.is_dense() && program_.couples(); }
+  End from_sweeps(const Job& job, const Rung&);
+  bool may_sweep(const Job&, const Rung&) { return !program_.is_dense() && program_.couples(); }
 
   bool end_is_near(const Job& job, double& near);
   bool run_modes(const Job& job, int most, int more = 0);

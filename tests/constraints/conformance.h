@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/QR>
 #include <algorithm>
 #include <boost/multiprecision/cpp_bin_float.hpp>
 #include <boost/multiprecision/eigen.hpp>
@@ -14,7 +15,6 @@
 #include <vector>
 
 #include <zwang/core/model/scene_change.h>
-#include <zwang/core/problem/dense.h>
 
 // What every constraint has to satisfy. check(constraint) is for a program of your own (docs/tutorials/
 // write-a-constraint.md; needs Boost's headers); conformance_test.cpp asks the same of the project's constraints.
@@ -96,7 +96,7 @@ Poses<T> moved(const Poses<T>& q, const VectorX<T>& step) {
 // The smallest step that brings the linearized value to zero.
 inline Vector correction(const Subject& c, const Poses<double>& q) {
   const auto linear = c.linearize(q);
-  return least_norm_solution(linear.jacobian, -linear.value);
+  return linear.jacobian.completeOrthogonalDecomposition().solve(-linear.value);
 }
 
 // Poses at which the value is about `distance` away from zero.

@@ -1,10 +1,9 @@
 #include <zwang/experiments/god_hand/motion/retarget.h>
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
-
-#include <zwang/core/problem/dense.h>
 
 namespace zwang::god {
 namespace {
@@ -84,7 +83,7 @@ Target fitted(const Model& model, Target at, const RecordedHand& to, bool free_p
     for (bool better = false; !better && damping < 1e6; damping *= better ? 0.2 : 5) {
       Mat<double, unknowns, unknowns> D = H;
       D.diagonal() += damping * H.diagonal() + Unknowns::Constant(1e-12);
-      const Target next = moved(model, at, -Unknowns(solve_definite(D, gradient)));
+      const Target next = moved(model, at, -Unknowns(Matrix(D).ldlt().solve(gradient)));
       const Residual there = residual(model, next, to);
       better = there.squaredNorm() < r.squaredNorm();
       if (!better) continue;
@@ -208,14 +207,14 @@ Model fit_model(const RecordedTrack& track) {
         Mat<double, 12, 5> P = B.middleRows<12>(row);
         Mat<double, 4, 4> AA = A.transpose() * A;
         AA.diagonal().array() += 1e-12;
-        P -= A * Mat<double, 4, 5>(solve_definite(AA, A.transpose() * P));
+        P -= A * Matrix(AA).ldlt().solve(A.transpose() * P);
         N[f] += P.transpose() * P;
         g[f] += P.transpose() * r.segment<12>(row);
       }
     }
     double most = 0;
     for (std::size_t f = 0; f < 5; ++f) {
-      Measures step = -Measures(solve_definite(N[f], g[f]));
+      Measures step = -Measures(Matrix(N[f]).ldlt().solve(g[f]));
       step *= std::min(1.0, 0.2 / step.tail<2>().lpNorm<Eigen::Infinity>());
       model = changed(model, f, step);
       away[f] += step;
@@ -277,7 +276,7 @@ Target with_pads(const hand::Model& model, const Target& near, std::span<const P
     }
     Matrix H = J.transpose() * J;
     H.diagonal().array() += damping * 1e-4;
-    const Target next = moved(model, at, Unknowns(-solve_definite(H, Vector(J.transpose() * r))));
+    const Target next = moved(model, at, -Unknowns(Matrix(H).ldlt().solve(J.transpose() * r)));
     if (residual(model, next, near, pads).squaredNorm() < r.squaredNorm()) {
       at = next;
       damping = std::max(damping / 4, 1e-9);

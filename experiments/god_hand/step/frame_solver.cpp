@@ -1,9 +1,9 @@
 #include <zwang/experiments/god_hand/step/frame_solver.h>
 
+#include <Eigen/QR>
 #include <algorithm>
 
 #include <zwang/core/problem/deadline.h>
-#include <zwang/core/problem/dense.h>
 #include <zwang/core/problem/law.h>
 #include <zwang/solvers/active_set/dual_active_set.h>
 #include <zwang/solvers/friction/cone.h>
@@ -44,7 +44,7 @@ void complete_multipliers(const Problem& problem, Solution& solution) {
   Matrix J_t(problem.size(), static_cast<Index>(touched.size()));
   for (std::size_t k = 0; k < touched.size(); ++k)
     J_t.col(static_cast<Index>(k)) = Vector(problem.J.row(touched[k]).transpose());
-  const Vector lambda = least_norm_solution(J_t, pull);
+  const Vector lambda = J_t.completeOrthogonalDecomposition().solve(pull);
   solution.lambda.setZero(problem.rows());
   for (std::size_t k = 0; k < touched.size(); ++k) {
     const double l = lambda[static_cast<Index>(k)];
@@ -71,7 +71,10 @@ Law simpler(Law law) { return lifts(law) ? without_lift(law) : no_friction; }
 }  // namespace
 
 FrameSolver::FrameSolver(const Options& options)
-    : options_(options), solver_(solver_of(options)), plain_(plain_solver_of(options)), convex_(make_solver(Cone::name)) {
+    : options_(options),
+      solver_(solver_of(options)),
+      plain_(plain_solver_of(options)),
+      convex_(make_solver(Cone::name)) {
   asked_.tolerance = options.tolerance;
   asked_.read_accuracy(options.accuracy);
   asked_.speed_accuracy /= options.dt;  // z is an acceleration

@@ -7,7 +7,6 @@
 #include <csignal>
 #include <vector>
 
-#include <zwang/core/problem/dense.h>
 #include <zwang/core/problem/instance.h>
 #include <zwang/solvers/registry.h>
 
@@ -27,7 +26,7 @@ struct AllActive {
     K.topRightCorner(n, m) = -Matrix(p.J).transpose();
     Vector right(n + m);
     right << p.M * p.z_u, p.c;
-    const Vector x = least_norm_solution(K, right);
+    const Vector x = K.completeOrthogonalDecomposition().solve(right);
     out.z = x.head(n);
     out.lambda = x.tail(m);
     for (out.iterations = 1; out.iterations < 5 && out.iterations < options.max_iterations; ++out.iterations)
