@@ -404,6 +404,11 @@ def scene_change(problem, body=None, *, pose=None, velocity=None, mass=0.0, mu=0
     the world's axes, about the centre of mass, that moves it with its contacts and joints; velocity (6) [m/s; rad/s]; mass [kg], by
     density: the inertia grows in proportion. mu: of every contact that has friction. Changes may be added up. Which rows there are is
     not changed. Raises ValueError where no scene made the problem (files, random rows, problems under the pyramid).
+
+    A contact keeps its point in the axes of its first body, and its face (point, normal, tangents) in those of its second. Where a body
+    rolls or slides over another, this is the derivative of that point against that face, which depends on which body is the first, and
+    not of the contact that would be detected anew: for that one build the scene at two poses and take the difference of the answers, or
+    give the contact by hand, with its point on the body on which it stays.
     """
     from . import scene_changes
     return scene_changes.change(_problem(problem), body, pose, velocity, mass, mu)
