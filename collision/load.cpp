@@ -20,7 +20,7 @@ bool is_whole(const fs::path& file) { return file.extension() != ".gltf" && file
 fs::path place_of(const StoredFile& file, const MeshFileOptions& options) {
   if (options.cache.empty() || !is_whole(file.path)) return {};
   return options.cache /
-         (sha256(file.bytes) + printed("-%016llx-%016llx%s%s.tree", std::bit_cast<unsigned long long>(options.unit),
+         (sha256(file.bytes) + printed("-%016llx-%016llx%s%s.tree2", std::bit_cast<unsigned long long>(options.unit),
                                        std::bit_cast<unsigned long long>(options.weld), file.kind().c_str(),
                                        file.packed() ? ".gz" : ""));
 }

@@ -234,6 +234,12 @@ Mesh parse(const StoredFile& stored, const std::string& kind, const std::string&
   if (scene == nullptr || scene->mRootNode == nullptr) refuse(file, without_placeholder(importer.GetErrorString()));
   Mesh mesh;
   append(*scene, *scene->mRootNode, aiMatrix4x4t<double>(), unit, mesh);
+  Eigen::AlignedBox3d box;
+  for (const Vec3& v : mesh.vertices) box.extend(v);
+  const double far = std::max(box.max().maxCoeff(), -box.min().minCoeff()), size = box.sizes().norm();
+  if (size > 0 && 0x1p-24 * far > 1e-4 * size)  // assimp reads single precision
+    refuse(file,
+           printed("%g m across, %g m from the origin: single precision spoils it; expected it nearer", size, far));
   return mesh;
 }
 
@@ -244,9 +250,7 @@ double metres_per(std::string_view unit) {
       {{"m", 1}, {"cm", 1e-2}, {"mm", 1e-3}, {"um", 1e-6}, {"in", 0.0254}, {"ft", 0.3048}}};
   for (const auto& [name, metres] : units)
     if (name == unit) return metres;
-  const std::vector<std::string> names = names_of(units, [](const auto& known) { return known.first; });
-  throw std::invalid_argument("no unit '" + std::string(unit) + "'" + did_you_mean(std::string(unit), names) +
-                              " (m, cm, mm, um, in, ft)");
+  throw std::invalid_argument("no unit '" + std::string(unit) + "' (m, cm, mm, um, in, ft)");
 }
 
 MeshName parse_mesh_name(const std::string& name) {

@@ -344,6 +344,16 @@ TEST(Tree, ComesBackBitForBitAndRefusesTornBytes) {
   }
 }
 
+TEST_F(MeshFiles, WhatSinglePrecisionSpoilsIsRefused) {
+  const std::string faces = tetrahedron_obj.substr(tetrahedron_obj.find('f'));
+  const auto said = [&](const std::string& x) {
+    return complaint(write(
+        "far.obj", "v " + x + ".03 0 0\nv " + x + ".09 0 0\nv " + x + ".03 0.06 0\nv " + x + ".03 0 0.06\n" + faces));
+  };
+  EXPECT_NE(said("1000000").find("single precision spoils it; expected it nearer"), std::string::npos);
+  EXPECT_EQ(said("10"), "");
+}
+
 TEST_F(MeshFiles, CacheAnswersTheSecondTimeWithTheSameTree) {
   const fs::path file = write("sphere.stl", binary_stl(meshes::bumpy_sphere(0.05, 0.004, 7, 20000)));
   const MeshFileOptions options{.unit = 0.5, .cache = folder / "cache"};
