@@ -119,6 +119,7 @@ Json object_of(const std::string& line) {
       throw std::runtime_error(key.get<std::string>() + ": twice in the line");
     return true;
   };
+  if (line.find_first_not_of(" \t\r") == line.npos) throw std::runtime_error("empty; expected one JSON object");
   Json record = Json::parse(line, once);
   if (!record.is_object()) throw std::runtime_error("expected one JSON object");
   return record;
@@ -200,6 +201,9 @@ Answers read_answers(const std::filesystem::path& file, const Pack& pack) {
   bool has_head = false;
   std::string place;
   const auto take = [&](const Json& record) {
+    for (const char* key : {"solver", "version", "settings", "machine", "sha256", "status", "answered_by"})
+      if (record.contains(key) && !record[key].is_string())
+        throw std::runtime_error(std::string(key) + " is " + record[key].dump().substr(0, 40) + "; expected a text");
     if (!has_head) read_head(record, all);
     if (!std::exchange(has_head, true)) return;
     const std::string sha256 = record.at("sha256").get<std::string>();

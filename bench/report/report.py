@@ -313,6 +313,8 @@ def asked_for(words):
         options.error("--out is for two runs; the page of one stands in its folder")
     if len(asked.DIR) == 2 and asked.figures:
         fail("--figures draws one run, not two", WRONG_USE)
+    if asked.out and os.path.isdir(asked.out):
+        fail(f"--out {asked.out} is a folder; expected the page's file, as in {os.path.join(asked.out, 'comparison.html')}", WRONG_USE)
     asked.out = asked.out or "comparison.html"
     return asked
 

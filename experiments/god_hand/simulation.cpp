@@ -143,9 +143,9 @@ void Simulation::State::start(Cluster& cluster, PoseSpan at, PoseSpan easy) {
     while (!cluster.done()) cluster.commit(cluster.propose(ignored), ignored);
     return;
   }
-  throw std::runtime_error("no clear place for the god objects to start: they touch each other at " +
-                           std::to_string(at[0].position.x()) + " " + std::to_string(at[0].position.y()) + " " +
-                           std::to_string(at[0].position.z()));
+  const Vec3& p = at[0].position;
+  throw std::runtime_error(printed("no clear place for the god objects to start: within the gap of %g m at %g %g %g",
+                                   options.gap, p.x(), p.y(), p.z()));
 }
 
 // Fig. 6 of the paper.

@@ -22,8 +22,7 @@ void add_words(CLI::App& app, const std::string& name, const god::Words& words, 
                const std::function<void(bool second)>& choose) {
   const auto take = [name, words, choose](const std::string& word) {
     if (word != words[0] && word != words[1])
-      throw std::invalid_argument(name + " " + word + " should be " + words[0] + " or " + words[1] +
-                                  did_you_mean(word, {words[0], words[1]}));
+      throw std::invalid_argument(name + " " + word + " should be " + words[0] + " or " + words[1]);
     choose(word == words[1]);
   };
   app.add_option_function<std::string>(name, take, line)
@@ -116,8 +115,7 @@ void add_choices(CLI::App& app, const std::string& command, const std::string& e
 }
 
 long frames_of(const Choices& choices) {
-  constexpr double most = 1e15;  // beyond any run, and within a long
-  return std::max(1l, std::lround(std::min(choices.seconds * choices.rate, most)));
+  return std::max(1l, std::lround(std::min(choices.seconds * choices.rate, 1e15)));  // within a long
 }
 
 god::Record record_of(const CLI::App& app, const Choices& choices, const std::string& command_line) {
@@ -129,6 +127,9 @@ god::Record record_of(const CLI::App& app, const Choices& choices, const std::st
   SolveOptions().read_accuracy(asked.options.accuracy);
   if (asked.options.pads > 0 && !(asked.options.mu > 0))
     throw std::invalid_argument("--pads: what is held is held by friction; --mu should be above 0");
+  if (asked.options.gap > asked.options.activation)
+    throw std::invalid_argument(printed("--gap %g is above --activation %g: what is farther away than that has no rows",
+                                        asked.options.gap, asked.options.activation));
   if (choices.seconds > 0) {
     const long most = frames_of(choices);
     asked.frames = asked.frames > 0 ? std::min(asked.frames, most) : most;

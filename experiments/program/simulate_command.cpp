@@ -42,7 +42,6 @@ int simulate_command(std::vector<std::string> words) {
               "  ./zwang simulate simple --motion grasp\n"
               "  ./zwang simulate engine --motion recording.json --solver nnls --rate 500 --audit\n"
               "  ./zwang simulate gear.stl@mm --motion press --seconds 2 --out gear\n"
-              "  ./zwang simulate box --motion slide --method paper\n"
               "  ./zwang simulate box --god fingers.json --motion grasp\n"
               "  ./zwang simulate box --motion slide --method paper --solver dual_active_set\n"
               "  ./zwang simulate --resume gear\n",

@@ -24,6 +24,14 @@ with tempfile.TemporaryDirectory() as folder:
     os.chdir(folder)
     os.environ["XDG_CACHE_HOME"] = folder
 
+    listed = "(./zwang simulate --help lists all)"
+    for words, says in ((["box", "--gap", "5e-3", "--activation", "1e-3"], "--gap 0.005 is above --activation 0.001"),
+                        (["foo"], f"no scene 'foo' {listed}"), (["box", "--motion", "foo"], f"no motion 'foo' {listed}"),
+                        (["box", "--god", "foo"], f"no god object 'foo' {listed}")):
+        refused = simulate(*words)
+        error = refused.communicate(timeout=60)[1]
+        assert refused.returncode == 2 and says in error and error.count("\n") == 1, error
+
     # A fabricated run (write_replay.cpp) of 700 frames: one hand, three loose objects.
     subprocess.run([write_replay, "made", "700"], check=True, stdout=subprocess.DEVNULL)
     with h5py.File("made/frames.h5") as file:

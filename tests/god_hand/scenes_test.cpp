@@ -139,7 +139,7 @@ TEST(Scenes, BadOnesGetOneLine) {
   fs::create_directories(folder);
   std::ofstream(folder / "empty.stl").close();
   std::ofstream(folder / "words.obj") << "these are words\n";
-  expect_line("simpel", {}, "did you mean 'simple'?");
+  expect_line("simpel", {}, "did you mean 'simple'? (./zwang simulate --help lists all)");
   expect_line("wall", folder, "not made of real parts");
   expect_line("simple", folder, "no diff_ring.stl");
   expect_line("simple", folder / "nowhere", "nowhere");

@@ -143,7 +143,7 @@ TEST(Synthetic, UnknownNamesAreAnsweredWithTheNearest) {
     synthetic_motion("grap", slab());
     FAIL();
   } catch (const std::invalid_argument& bad) {
-    EXPECT_STREQ(bad.what(), "no motion 'grap'; did you mean 'grasp'?");
+    EXPECT_STREQ(bad.what(), "no motion 'grap'; did you mean 'grasp'? (./zwang simulate --help lists all)");
   }
 }
 

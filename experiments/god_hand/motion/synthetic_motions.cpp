@@ -253,7 +253,8 @@ bool names_file(const std::string& motion) {
 HandMotion synthetic_motion(const std::string& name, const Surroundings& about) {
   const auto entry = std::ranges::find(entries, name, &Entry::name);
   if (entry == std::end(entries))
-    throw std::invalid_argument("no motion '" + name + "'" + did_you_mean(name, names_of(entries, &Entry::name)));
+    throw std::invalid_argument("no motion '" + name + "'" + did_you_mean(name, names_of(entries, &Entry::name)) +
+                                " (./zwang simulate --help lists all)");
   HandMotion motion{.name = name, .hands = entry->make(Site(about))};
   for (const Track& track : motion.hands) {
     motion.duration = std::max(motion.duration, track.keys.back().time);

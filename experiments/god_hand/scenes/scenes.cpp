@@ -141,7 +141,8 @@ Surroundings make_surroundings(const std::string& scene, const fs::path& parts) 
   }
   if (scene.find_first_of(".,@/") == std::string::npos)
     throw std::invalid_argument("no scene '" + scene + "'" +
-                                did_you_mean(scene, names_of(scene_entries, &SceneEntry::name)));
+                                did_you_mean(scene, names_of(scene_entries, &SceneEntry::name)) +
+                                " (./zwang simulate --help lists all)");
   if (!parts.empty()) throw std::invalid_argument("files are a scene of their own, without a folder of parts");
   return files_scene(scene);
 }

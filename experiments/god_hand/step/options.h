@@ -80,8 +80,7 @@ using Words = std::array<const char*, 2>;
 template <class SomeOptions, class Visit>
 void each_option(SomeOptions& o, const Visit& visit) {
   visit(OptionText{"dt", nullptr, "", from_to(1e-5, 1, "s")}, o.dt);
-  visit(OptionText{"solver", "solver",
-                   "NAME:key=value,...; default: cone, without friction dual_active_set (./zwang solvers)"},
+  visit(OptionText{"solver", "solver", "NAME:key=value; default: cone, at --mu 0 dual_active_set (./zwang solvers)"},
         o.solver);
   visit(OptionText{"tolerance", "tolerance", "that the solver is asked for; default: 1e-10", from_to(1e-16, 1)},
         o.tolerance);
@@ -89,9 +88,7 @@ void each_option(SomeOptions& o, const Visit& visit) {
                    "a solve may end once a bound on its error is this, of any body or relative to the motion: 1e-4m/s, "
                    "1e-4; default: none"},
         o.accuracy);
-  visit(OptionText{"mu", "mu", "friction of the hand on objects; 0: none; default: 0.8, with --method paper none",
-                   from(0)},
-        o.mu);
+  visit(OptionText{"mu", "mu", "friction on objects; 0: none; default: 0.8, with --method paper none", from(0)}, o.mu);
   visit(OptionText{"law", "law", "how friction is read (docs/formulation.md)"}, o.law, Words{"coulomb", "convex"});
   visit(OptionText{"limits", "limits", "rows of joint limits before they are met, or once violated"}, o.limits,
         Words{"predictive", "violated"});
@@ -120,22 +117,19 @@ void each_option(SomeOptions& o, const Visit& visit) {
         o.lazy_contacts, Words{"off", "on"});
   visit(OptionText{"maximal", "model", "26 unknowns a hand, or 96 with 70 joint rows"}, o.maximal,
         Words{"reduced", "maximal"});
-  visit(
-      OptionText{"force_stiffness", "k-f",
-                 "stiffness of the coupling to the engine; default: 10,000, without friction 1,000", from(0, "1/s^2")},
-      o.force_stiffness);
+  visit(OptionText{"force_stiffness", "k-f", "stiffness of the coupling; default: 10,000, without friction 1,000",
+                   from(0, "1/s^2")},
+        o.force_stiffness);
   visit(OptionText{"pads", "pads", "stiffness of a soft finger pad, of each contact's normal row; 0: hard; default: 0",
                    from(0, "N/m")},
         o.pads);
   visit(OptionText{"force_cap", "cap", "largest push on one object; default: 60", from(0, "N")}, o.force_cap);
   visit(OptionText{"gap", "gap", "that contact rows keep; default: 2e-4", between(0, 0.01, "m")}, o.gap);
-  visit(OptionText{"activation", "activation", "distance from which contacts are rows; default: 2e-3",
-                   between(0, 0.1, "m")},
+  visit(OptionText{"activation", "activation", "from where contacts are rows; default: 2e-3", between(0, 0.1, "m")},
         o.activation);
   visit(OptionText{"fastest", "fastest", "targets that go faster have jumped; default: 8", above(0, "m/s")}, o.fastest);
   visit(OptionText{"jump", "jump", "and those that go farther in a frame; default: 0.016", between(0, 1, "m")}, o.jump);
-  visit(OptionText{"catch_up", "catch-up", "speed at which a pressing hand may follow a target at rest; default: 0.8",
-                   from(0, "m/s")},
+  visit(OptionText{"catch_up", "catch-up", "speed at which a pressing hand may follow; default: 0.8", from(0, "m/s")},
         o.catch_up);
   visit(OptionText{"sub_steps", "sub-steps", "of a frame, at most; default: 3", from_to(1, 100)}, o.sub_steps);
   visit(OptionText{"iterations", "iterations",
@@ -149,10 +143,8 @@ void each_option(SomeOptions& o, const Visit& visit) {
                    from(0, "ms")},
         o.budget);
   visit(
-      OptionText{
-          "verify", "verify",
-          "the referee looks at the solves of every N-th frame, in time that no figure counts; 0: of none; default: 20",
-          from(0)},
+      OptionText{"verify", "verify",
+                 "the referee looks at every N-th frame, in time that no figure counts; 0: none; default: 20", from(0)},
       o.verify);
 }
 

@@ -120,11 +120,9 @@ std::vector<std::pair<std::string, std::string>> tools() {
 
 Tool make_tool(const std::string& name) {
   const auto entry = std::ranges::find(entries, name, &Entry::name);
-  if (entry == std::end(entries) && name.find_first_of(".,@/") == std::string::npos) {
-    std::vector<std::string> names = names_of(entries, &Entry::name);
-    names.insert(names.begin(), "hand");
-    throw std::invalid_argument("no god object '" + name + "'" + did_you_mean(name, names));
-  }
+  if (entry == std::end(entries) && name.find_first_of(".,@/") == std::string::npos)
+    throw std::invalid_argument("no god object '" + name + "'" + did_you_mean(name, names_of(entries, &Entry::name)) +
+                                " (./zwang simulate --help lists all)");
   if (entry == std::end(entries) && is_mechanism(name)) return read_mechanism(name);
   Tool tool = entry != std::end(entries) ? entry->make() : of_meshes(name);
   tool.name = name;

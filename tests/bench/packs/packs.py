@@ -141,12 +141,16 @@ def check_bad_answers():
         "a list": [json.dumps(header), "[]"], "torn": [json.dumps(header), text[:300]],
         "answered by": [json.dumps(header), json.dumps({**first, "answered_by": "a, b"})],
         "seconds": [json.dumps(header), json.dumps({**first, "seconds": -1})], "empty": [],
+        "line 1: empty; expected one JSON object": [""], "solver is 3; expected a text": [json.dumps({**header, "solver": 3})],
+        "status is 3; expected a text": [json.dumps(header), json.dumps({**first, "status": 3})],
+        "answered_by is 3; expected a text": [json.dumps(header), json.dumps({**first, "answered_by": 3})],
     }
     for what, lines in bad.items():
         with open("bad.jsonl", "w") as file:
             file.write("".join(line + "\n" for line in lines))
         wrong = run("judge", "pack", "bad.jsonl", "--out", "never")
         check(f"bad answers: {what}", wrong.returncode == 3 and wrong.stderr.startswith("bad.jsonl") and
+              ("expected" not in what or what in wrong.stderr) and
               wrong.stderr.count("\n") == 1 and wrong.stderr.count("line ") <= 1 and not os.path.exists("never"), wrong.stdout + wrong.stderr)
     whole, draw = open("dual_active_set.jsonl", "rb").read(), random.Random(5)
     for k in range(40):  # damaged anywhere: refused with one line, or a valid other number

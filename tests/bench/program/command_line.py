@@ -129,6 +129,7 @@ MISTAKES = [
     (["report", "box.h5", "--figures", "pfd"], 2, "did you mean 'pdf'?"),
     (["report"], 2, "DIR"),
     (["report", "empty", "--out", "page.html"], 2, "--out is for two runs"),
+    (["report", "empty", "empty", "--out", "empty"], 2, "--out empty is a folder; expected the page's file, as in empty/comparison.html"),
     (["bench", "quick"], 2, "./zwang bench --suite quick"),
     (["solvers", "--all"], 2, "no option '--all'"),
     (["scenes", "towr"], 2, "did you mean 'tower'"),
