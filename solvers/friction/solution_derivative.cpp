@@ -141,8 +141,7 @@ void SolutionDerivative::share_load() {
   if (pulls || push.empty()) return;
   is_unique_ = false;
   std::ranges::sort(push);
-  const auto shares = [&](Index i) { return std::ranges::binary_search(push, i); };
-  std::erase_if(ties, shares);
+  std::erase_if(ties, [&](Index i) { return std::ranges::binary_search(push, i); });
   std::stable_partition(rows.begin(), rows.end(), [&](Index i) { return !std::ranges::binary_search(ties, i); });
 }
 
