@@ -127,7 +127,7 @@ void SolutionDerivative::share_load() {
   constexpr int most_turns = 8;
   for (int turn = 0; pulls && turn < most_turns; ++turn) {
     const double size = work.push.lpNorm<Eigen::Infinity>();
-    for (const Index i : at_ties) work.push[i] = std::max(work.push[i], size > 0 ? size / 8 : 1);
+    for (const Index i : at_ties) work.push[i] = std::max(work.push[i], size == 0 ? 1 : turn == 0 ? 0 : size / 8);
     if (!equations.keep_still(work.program, work.push)) return;
     work.push = equations.next;
     const double least = tolerances::promise_part * work.push.lpNorm<Eigen::Infinity>();

@@ -22,7 +22,7 @@ class SolutionDerivative {
   using Values = Eigen::Ref<const Vector>;  // Python's numbers where they lie
   double off = 0, motion = 0;  // by how much z and lambda miss an answer; both with the diagonal of M for M
   VectorX<Index> rows;         // that push, those of a contact together, and the ties
-  std::vector<Index> ties;     // those that neither push nor open
+  std::vector<Index> ties;     // those that neither push, by any forces that were found, nor open
   bool ties_rub = false;       // has one of them friction?
   Vector by_mu;                // of a contact that slides: how its gap and its forces follow its mu
 
@@ -30,7 +30,7 @@ class SolutionDerivative {
   // again. The bits are the same with it and without.
   static NullSpaceForm& form();
 
-  // z: n; lambda: m. Throws std::invalid_argument for other sizes.
+  // z: n; lambda: m. Throws std::invalid_argument for other sizes, and, where there are ties, as along() does.
   SolutionDerivative(const Problem& problem, const Values& z, const Values& lambda);
   bool slides() const { return std::ranges::find(mode_, Mode::slide) != mode_.end(); }
 

@@ -126,7 +126,7 @@ TEST(SolutionDerivativeAtATie, TheRowOpensOrHolds) {
 }
 
 TEST(SolutionDerivativeOfASharedLoad, HasNoTiesAndIsThatOfDifferences) {
-  for (const char* scene : {"stack(boxes=3)", "tower(boxes=8)", "wall(boxes=10)"}) {
+  for (const char* scene : {"stack(boxes=3)", "tower(boxes=8)", "wall(boxes=10)", "wall(boxes=100)"}) {
     SCOPED_TRACE(scene);
     const Problem p = make_scenes(scene).at(0).problem;
     AnySolver method = make_solver("dual_active_set");
