@@ -195,7 +195,7 @@ Promise::Bound Promise::look(bool stands) {
   const double motion = program_->least_motion(v_) - most;
   const bool is_known = most < infinity && (motion > 0 || most == 0);
   vain_ = vain_ && !is_known && !modes_->slides();  // of what slides another factor may lead there
-  stuck_ = sticks();
+  stuck_ = !stands && sticks();
   return is_known ? Bound{most > 0 ? most / motion : 0, most <= enough(motion, program_->exponent())} : Bound();
 }
 

@@ -352,10 +352,10 @@ def gradient_of(problem, solution, *, law=None, proof=True):
     tie than that is named as a kink. The derivative is one factorization, or a few at a kink, without enclosure and reach, and refused where only the
     proof tells: at a kink of friction, and where forces are not unique and J, c or mu change, or contacts slide.
     """
-    problem, proof = _problem(problem), _yes(proof, "proof")
-    if law is None and not proof:  # a call less, in an inner loop
+    problem = _problem(problem)
+    if law is None and proof is False:  # calls less, in an inner loop
         return _part("quick_gradients").QuickGradient(problem, solution)
-    return _part("gradients").gradient_of(problem, solution, law, proof)
+    return _part("gradients").gradient_of(problem, solution, law, _yes(proof, "proof"))
 
 
 def gradient(problem, solution, wrt, direction=None, *, law=None, proof=True):

@@ -820,7 +820,7 @@ def why_not(unproven, problem, z, force):
         return "there may be several solutions, and the answer is not near the one that is proven: expected its forces, too, (z, lambda)"
     if verdict == "undecided":
         return f"it is not known whether the answer is a solution, and {unproven} that is proven"
-    return f"solutions are not isolated, or nearly so: the answer meets its conditions, and {unproven} that is proven with its modes"
+    return f"there are several solutions, or nearly so: the answer meets its conditions, and {unproven} that is proven"
 
 
 def wanted(wrt):

@@ -276,7 +276,7 @@ Target with_pads(const hand::Model& model, const Target& near, std::span<const P
     }
     Matrix H = J.transpose() * J;
     H.diagonal().array() += damping * 1e-4;
-    const Target next = moved(model, at, -Unknowns(Matrix(H).ldlt().solve(J.transpose() * r)));
+    const Target next = moved(model, at, -Unknowns(H.ldlt().solve(J.transpose() * r)));
     if (residual(model, next, near, pads).squaredNorm() < r.squaredNorm()) {
       at = next;
       damping = std::max(damping / 4, 1e-9);

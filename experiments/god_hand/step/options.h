@@ -80,7 +80,7 @@ using Words = std::array<const char*, 2>;
 template <class SomeOptions, class Visit>
 void each_option(SomeOptions& o, const Visit& visit) {
   visit(OptionText{"dt", nullptr, "", from_to(1e-5, 1, "s")}, o.dt);
-  visit(OptionText{"solver", "solver", "NAME:key=value; default: cone, at --mu 0 dual_active_set (./zwang solvers)"},
+  visit(OptionText{"solver", "solver", "NAME:k=v,...; default: cone, at --mu 0 dual_active_set (./zwang solvers)"},
         o.solver);
   visit(OptionText{"tolerance", "tolerance", "that the solver is asked for; default: 1e-10", from_to(1e-16, 1)},
         o.tolerance);
@@ -125,11 +125,11 @@ void each_option(SomeOptions& o, const Visit& visit) {
         o.pads);
   visit(OptionText{"force_cap", "cap", "largest push on one object; default: 60", from(0, "N")}, o.force_cap);
   visit(OptionText{"gap", "gap", "that contact rows keep; default: 2e-4", between(0, 0.01, "m")}, o.gap);
-  visit(OptionText{"activation", "activation", "from where contacts are rows; default: 2e-3", between(0, 0.1, "m")},
+  visit(OptionText{"activation", "activation", "nearer contacts are rows; default: 2e-3", between(0, 0.1, "m")},
         o.activation);
   visit(OptionText{"fastest", "fastest", "targets that go faster have jumped; default: 8", above(0, "m/s")}, o.fastest);
   visit(OptionText{"jump", "jump", "and those that go farther in a frame; default: 0.016", between(0, 1, "m")}, o.jump);
-  visit(OptionText{"catch_up", "catch-up", "speed at which a pressing hand may follow; default: 0.8", from(0, "m/s")},
+  visit(OptionText{"catch_up", "catch-up", "speed of a pressing hand to a still target; default: 0.8", from(0, "m/s")},
         o.catch_up);
   visit(OptionText{"sub_steps", "sub-steps", "of a frame, at most; default: 3", from_to(1, 100)}, o.sub_steps);
   visit(OptionText{"iterations", "iterations",
@@ -142,10 +142,8 @@ void each_option(SomeOptions& o, const Visit& visit) {
                    "done; 0: no limit; default: 0",
                    from(0, "ms")},
         o.budget);
-  visit(
-      OptionText{"verify", "verify",
-                 "the referee looks at every N-th frame, in time that no figure counts; 0: none; default: 20", from(0)},
-      o.verify);
+  visit(OptionText{"verify", "verify", "the referee looks at every N-th frame, untimed; 0: none; default: 20", from(0)},
+        o.verify);
 }
 
 }  // namespace zwang::god

@@ -198,7 +198,7 @@ TEST(Assembler, WritesTheWholeOfAnyProblemItIsHanded) {
 TEST(Hand, RightHandSideLeavesTheRangeOfJWithManyContacts) {
   const auto outside = [](const Instance& hand) {
     const Matrix J(hand.problem.J);
-    const Vector k = Matrix(J).completeOrthogonalDecomposition().solve(hand.problem.c);
+    const Vector k = J.completeOrthogonalDecomposition().solve(hand.problem.c);
     return (J * k - hand.problem.c).norm() / hand.problem.c.norm();
   };
   EXPECT_LE(outside(only("hand(contacts=0)")), 1e-12);
