@@ -2,15 +2,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <cstring>
 
 namespace zwang {
 
-bool ConeIteration::begin(const Problem& problem, const SolveOptions& options, Solution& solution) {
+bool ConeIteration::begin(const Problem& problem, const SolveOptions& options, Solution& solution,
+                          ConeProgram::Want want) {
   problem_ = &problem;
   options_ = &options;
   solution_ = &solution;
   deadline_ = Deadline(options.time_limit);
-  if (!program.build(problem, ConeProgram::Want::any, options, deadline_, solution)) return false;
+  if (!program.build(problem, want, options, deadline_, solution)) return false;
   promise_.begin(problem, options, &program);
   v.setZero(program.face().unknowns());
   s.setZero(program.rows());
@@ -61,6 +64,11 @@ bool ConeIteration::step_done() {
 
 void ConeIteration::end() {
   if (!std::isnan(solution_->error_bound)) return;
+  if (solution_->status == Status::iteration_limit) {
+    solution_->message.resize(80);  // of its own: else it would be allocated anew
+    std::snprintf(solution_->message.data(), 80, "the residual stays at %.1e of the motion", residual());
+    solution_->message.resize(std::strlen(solution_->message.data()));
+  }
   if (std::isfinite(residual_)) {
     program.write(*problem_, v, y, *solution_);
     return promise_.judge(*problem_, *options_, *solution_, (y.array() != 0).count() > v.size() ? work_ : infinity);

@@ -15,10 +15,13 @@ class ConeIteration {
 
   // Builds the program and starts from the multipliers of an earlier frame. False where the answer is already written.
   // All three are kept until the next begin().
-  bool begin(const Problem& problem, const SolveOptions& options, Solution& solution);
+  bool begin(const Problem& problem, const SolveOptions& options, Solution& solution,
+             ConeProgram::Want want = ConeProgram::Want::any);
   bool goes_on(int limit);
   // Counts the step, measures s and the residual and shows the iterate. True where that is good enough.
   bool step_done();
+  double residual() { return residual_ / program.scale(v); }
+  const Deadline& deadline() const { return deadline_; }
   // Writes the last iterate, but for one that is written.
   void end();
 

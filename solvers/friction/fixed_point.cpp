@@ -1,9 +1,7 @@
 #include <zwang/solvers/friction/fixed_point.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
 #include <stdexcept>
 
 #include <zwang/solvers/linalg/tolerances.h>
@@ -50,83 +48,41 @@ std::string FixedPoint::supports(const Problem& problem) const {
 }
 
 // The convex problem of the slips at hand; they grow where it has no answer.
-bool FixedPoint::solve_shifted(const Problem& p, const SolveOptions& options, const Deadline& deadline,
-                               double tolerance, Solution& solution) {
-  SolveOptions asked{.tolerance = tolerance, .memory_limit = options.memory_limit};
+bool FixedPoint::solve_shifted(const Problem& p, const SolveOptions& options, Solution& solution) {
+  SolveOptions asked{.tolerance = std::clamp(share * iteration.residual(), tightest, loosest),
+                     .memory_limit = options.memory_limit};
   asked.warm_start = solution.iterations > 0 ? &warm : options.warm_start;
-  for (int widening = 0; widening <= widenings; ++widening) {
+  for (int widening = 0;; ++widening) {
     each_contact(p, [&](Index i) { shifted.c[i] = p.c[i] - p.mu[i] * sigma[i]; });
-    asked.time_limit = deadline.left();
+    asked.time_limit = iteration.deadline().left();
     solver->solve(shifted, asked, answer);
-    ++solution.iterations;
     if (has_answer(p, answer)) return true;
-    if (answer.status != Status::infeasible || deadline.passed()) return false;
+    if (answer.status != Status::infeasible || iteration.deadline().passed() || widening == widenings) return false;
     each_contact(p, [&](Index i) { sigma[i] = std::max(2 * sigma[i], slip(p, i, p.z_u)); });
     asked.warm_start = nullptr;
+    ++solution.iterations;
   }
-  return false;
-}
-
-// Of the answer, relative to the motion.
-double FixedPoint::residual(const Problem& p, const SolveOptions& options, bool& accepted) {
-  program.read(p, answer.z, answer.lambda, v, y);
-  program.slack(v, s);
-  const ConeProgram::Residual own = program.residual(y, s);
-  const double unbalanced = v.isZero(0) && y.isZero(0) ? 0 : program.imbalance(v, y);
-  accepted = unbalanced <= options.tolerance && program.accepts(own, v, options);
-  // `accepts` asks the gap's bound on the distance for ten times the tolerance.
-  const double scale = program.scale(v), apart = std::sqrt(2 * std::max(0.0, own.gap)) / 10;
-  return std::max({own.natural / scale, apart / scale, unbalanced});
 }
 
 void FixedPoint::solve(const Problem& p, const SolveOptions& options, Solution& solution) {
-  const Deadline deadline(options.time_limit);
-  if (!program.build(p, ConeProgram::Want::way_back, options, deadline, solution)) return;
-  promise.begin(p, options, &program);
+  if (!iteration.begin(p, options, solution, ConeProgram::Want::way_back)) return;
   shifted = p;
   shifted.law = without_lift(p.law);
   warm.key = p.key;
-  s.setZero(program.rows());
   sigma.setZero(p.rows());
-  const int most = std::min(max_rounds, options.max_iterations);
-  double left = 1, least = std::numeric_limits<double>::infinity();
-  solution.status = Status::iteration_limit;
-  while (solution.iterations < most) {
-    if (deadline.passed()) {
-      solution.status = Status::time_limit;
-      break;
-    }
-    const double tolerance = std::clamp(share * left, tightest, loosest);
-    if (!solve_shifted(p, options, deadline, tolerance, solution)) {
-      solution.status = deadline.passed() ? Status::time_limit : Status::numerical_failure;
+  while (iteration.goes_on(max_rounds)) {
+    if (!solve_shifted(p, options, solution)) {
+      solution.status = iteration.deadline().passed() ? Status::time_limit : Status::numerical_failure;
       solution.message = "no answer under the convex law by " + inner + ": ";
       solution.message += answer.message.empty() ? to_string(answer.status) : answer.message;
       break;
     }
-    bool accepted = false;
-    left = residual(p, options, accepted);
-    if (promise.holds_at(y, solution)) return;
-    if (left < least || accepted) {
-      least = left;
-      solution.z = answer.z;
-      solution.lambda = answer.lambda;
-    }
-    if (options.observe) options.observe(solution.iterations, answer.z, answer.lambda);
-    if (accepted) {
-      solution.status = Status::solved;
-      if (std::ranges::count(p.kind, RowKind::equality) == 0) promise.judge(p, options, solution);
-      return;
-    }
+    iteration.program.read(p, answer.z, answer.lambda, iteration.v, iteration.y);
+    if (iteration.step_done()) break;
     warm.lambda = answer.lambda;
     each_contact(p, [&](Index i) { sigma[i] += relaxation * (slip(p, i, answer.z) - sigma[i]); });
   }
-  if (!std::isfinite(least)) {
-    solution.empty_answer();
-  } else if (solution.message.empty()) {
-    std::array<char, 80> text;
-    std::snprintf(text.data(), text.size(), "the residual stays at %.1e of the motion", least);
-    solution.message = text.data();
-  }
+  iteration.end();
 }
 
 }  // namespace zwang

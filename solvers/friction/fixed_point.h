@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include <zwang/solvers/friction/promise.h>
+#include <zwang/solvers/friction/cone_iteration.h>
 #include <zwang/solvers/setting.h>
 #include <zwang/solvers/solver_entry.h>
 
@@ -18,9 +18,9 @@ namespace zwang {
 // known.
 //
 // One iteration is one solve by `inner`. What `inner` claims does not count: `solved` is claimed where z and lambda
-// pass the test of the solvers on cones under Coulomb's law (ConeProgram::accepts), and M (z - z_u) = J'lambda holds to
-// the tolerance. Where no answer exists for some slips, larger ones are tried; what has none under the convex law may
-// have one under Coulomb's, so infeasibility is never claimed.
+// pass the test of the solvers on cones under Coulomb's law (ConeIteration). Where no answer exists for some slips,
+// larger ones are tried; what has none under the convex law may have one under Coulomb's, so infeasibility is never
+// claimed.
 struct FixedPoint {
   static constexpr std::string_view name = "fixed_point";
   static constexpr auto laws = laws_that<lifts>;
@@ -41,17 +41,14 @@ struct FixedPoint {
   std::string supports(const Problem& problem) const;
   void solve(const Problem& problem, const SolveOptions& options, Solution& solution);
 
+  ConeIteration iteration = {};
   Problem shifted = {};
   Solution answer = {};
   WarmStart warm = {};
-  ConeProgram program = {};
-  Promise promise = {};
-  Vector v = {}, y = {}, s = {}, sigma = {};  // sigma at the rows of the contacts
+  Vector sigma = {};  // at the rows of the contacts
 
  private:
-  bool solve_shifted(const Problem& problem, const SolveOptions& options, const Deadline& deadline, double tolerance,
-                     Solution& solution);
-  double residual(const Problem& problem, const SolveOptions& options, bool& accepted);
+  bool solve_shifted(const Problem& problem, const SolveOptions& options, Solution& solution);
 };
 static_assert(Solver<FixedPoint>);
 
