@@ -6,6 +6,7 @@
 #include <zwang/bench/fuzz/frictional_problem.h>
 #include <zwang/bench/fuzz/question_referee.h>
 #include <zwang/bench/fuzz/small_problem.h>
+#include <zwang/bench/references/friction/coulomb.h>
 #include <zwang/bench/references/friction/exact_solutions.h>
 #include <zwang/bench/references/witnesses.h>
 #include <zwang/bench/scenes/dyadic.h>
@@ -57,6 +58,15 @@ std::string misbehaviour(const Solution& s) {
   return s.message.starts_with("threw: ") ? s.message : "";
 }
 
+// The convex problem of z's own slips, whose answer promises are about where slip lifts.
+Problem of_slips(Problem p, const Vector& z) {
+  const Vector s = p.J * z - p.c;
+  for (Index i = 0; i < p.rows(); ++i)
+    if (!p.is_tangent(i)) p.c[i] -= p.mu[i] * s.segment(i + 1, p.tangents(i)).norm();
+  p.law = without_lift(p.law);
+  return p;
+}
+
 std::string shown(const char* what, double value) { return printed("%s %g", what, value); }
 
 }  // namespace
@@ -81,9 +91,11 @@ std::vector<std::string> fuzzed_solvers(const FuzzOptions& options, std::span<co
   std::vector<std::string> names;
   if (options.referee) return {referee_classes.begin(), referee_classes.end()};
   if (!options.solvers.empty()) return split(options.solvers);
-  const Law law = options.accuracy.empty() ? stored_law : without_lift(stored_law);
+  const auto reads = [&](const SolverEntry& e) {
+    return e.reads(stored_law) || (!options.accuracy.empty() && e.reads(without_lift(stored_law)));
+  };
   for (const SolverEntry& e : among)
-    if (!e.foreign && (options.friction ? e.reads(law) : e.sees_infeasibility) &&
+    if (!e.foreign && (options.friction ? reads(e) : e.sees_infeasibility) &&
         !(options.near && e.accuracy.solved_share < 1))
       names.push_back(e.name);
   return names;
@@ -131,6 +143,7 @@ void Fuzzer::against_truth(std::uint64_t number, const Problem& problem, const R
   for (std::size_t i = 0; i < candidates_.size(); ++i) {
     const Solution& s = solve(i, problem);
     FuzzTally& t = tally_[i];
+    if (s.status == Status::unsupported) continue;
     ++t.runs;
     if (s.status == Status::infeasible) {
       if (truth.feasible)
@@ -143,13 +156,9 @@ void Fuzzer::against_truth(std::uint64_t number, const Problem& problem, const R
         ++t.undecided;
     } else if (has_z(s.status)) {
       const double error = truth.feasible ? distance(problem, s.z, truth.z) : std::numeric_limits<double>::infinity();
-      const bool is_promised = std::isfinite(s.error_bound);
-      t.promised += is_promised;
-      t.tight += s.error_bound <= 10 * std::max(error, warm_limit);
-      if (is_promised && !(error <= s.error_bound + warm_limit))
-        fault(i, number, shown("promises", s.error_bound) + shown(", z error", error), problem, &truth);
+      weigh_promise(i, number, problem, truth);
       const double limit = candidates_[i].exact ? exact_limit : other_limit;
-      const bool right = error <= (is_promised ? std::max(limit, s.error_bound) : limit);
+      const bool right = error <= (std::isfinite(s.error_bound) ? std::max(limit, s.error_bound) : limit);
       if (right && s.status == Status::solved) {
         ++t.solved;
         t.worst_z_error = std::max(t.worst_z_error, error);
@@ -167,6 +176,28 @@ void Fuzzer::against_truth(std::uint64_t number, const Problem& problem, const R
     } else {
       ++t.undecided;
     }
+  }
+}
+
+void Fuzzer::weigh_promise(std::size_t i, std::uint64_t number, const Problem& problem, const Reference& truth) {
+  const auto& [name, exact, repeats, solver, s] = candidates_[i];
+  if (!std::isfinite(s.error_bound)) return;
+  const double error = truth.feasible ? distance(problem, s.z, truth.z) : std::numeric_limits<double>::infinity();
+  ++tally_[i].promised;
+  tally_[i].tight += s.error_bound <= 10 * std::max(error, warm_limit);
+  if (!(error <= s.error_bound + truth.bound + warm_limit))
+    fault(i, number, shown("promises", s.error_bound) + shown(", z error", error), problem, &truth);
+}
+
+void Fuzzer::promised_under_friction(std::uint64_t number, const Problem& problem) {
+  for (std::size_t i = 0; i < candidates_.size(); ++i) {
+    const Solution& s = solve(i, problem);
+    if (s.status == Status::unsupported) continue;
+    ++tally_[i].runs;
+    if (const std::string wrong = misbehaviour(s); !wrong.empty()) fault(i, number, wrong, problem);
+    const auto truth = std::isfinite(s.error_bound) ? convex_reference(of_slips(problem, s.z)) : std::nullopt;
+    if (truth) weigh_promise(i, number, problem, *truth);
+    ++(truth ? tally_[i].solved : tally_[i].undecided);
   }
 }
 
@@ -312,6 +343,7 @@ void Fuzzer::look(std::uint64_t number) {
     return;
   }
   against_truth(number, problem, *asked.reference);
+  if (options_.friction) promised_under_friction(number, frictional_problem(options_.seed, number));
   // Answers that are good enough differ from start to start by what is promised.
   if (options_.near || !options_.accuracy.empty()) return;
   if (number % warm_every == 0) from_random_multipliers(number, problem);

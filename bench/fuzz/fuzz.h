@@ -69,8 +69,9 @@ std::vector<std::string> fuzzed_solvers(const FuzzOptions& options, std::span<co
 //   every 2000th        a sequence of 256 frames of the FLIP family, each warm-started from the frame before
 //
 // With friction, solvers of Coulomb's law claim answers that the referee must not refute, and that are among all there
-// are where the problem is planar; every eighth has a spoilt entry, mu among them. Promises are asked under the convex
-// law, of planted answers: those under Coulomb's are on the convex answer of z's own slips, which nobody knows exactly.
+// are where the problem is planar; every eighth has a spoilt entry, mu among them. Promises are asked under the
+// convex law, of planted answers; and under Coulomb's, where they are about the convex answer of z's own slips, of what
+// an interior point in wide arithmetic bounds (convex_reference()).
 //
 // Asked about the referee, it looks at no solver: referee_classes stand in their place.
 //
@@ -91,6 +92,8 @@ class Fuzzer {
     Solution solution = {};
   };
   void against_truth(std::uint64_t number, const Problem& problem, const Reference& truth);
+  void weigh_promise(std::size_t i, std::uint64_t number, const Problem& problem, const Reference& truth);
+  void promised_under_friction(std::uint64_t number, const Problem& problem);
   void under_friction(std::uint64_t number, const Problem& problem);
   void with_spoilt_friction(std::uint64_t number, Problem problem);
   void from_random_multipliers(std::uint64_t number, const Problem& problem);

@@ -33,7 +33,7 @@ int fuzz_command(std::vector<std::string> words) {
   within(from(0), options.add_option("--first", fuzz.first, "number of the first problem; default: 0"));
   options.add_flag("--near", fuzz.near, "rows 2^-22 to 2^-50 from dependent instead, against 100 digits");
   options.add_flag("--friction", fuzz.friction,
-                   "contacts with friction instead, under Coulomb's law; with --accuracy the convex one");
+                   "contacts with friction instead, under Coulomb's law; with --accuracy under the convex one, too");
   options.add_flag("--referee", fuzz.referee, "verdicts on invented answers instead, against rationals");
   options.add_option("--solvers", fuzz.solvers,
                      "a,b,...; default: all native ones but nnls_paper; with --near none of first order, whose small "
