@@ -14,9 +14,7 @@
 #endif
 
 namespace Eigen {
-using SparseLLT = SimplicialCholeskyBase<SimplicialLLT<SparseMatrix<double>>>;
-using SparseLDLT = SimplicialCholeskyBase<SimplicialLDLT<SparseMatrix<double>>>;
-using ByColumns = SparseMatrix<double, ColMajor>;
+using ByCols = SparseMatrix<double>;
 using ByRows = SparseMatrix<double, RowMajor>;
 ZWANG_ONCE LLT<MatrixXd>& LLT<MatrixXd>::compute(const EigenBase<MatrixXd>&);
 ZWANG_ONCE LDLT<MatrixXd>& LDLT<MatrixXd>::compute(const EigenBase<MatrixXd>&);
@@ -26,24 +24,24 @@ ZWANG_ONCE void HouseholderQR<MatrixXd>::computeInPlace();
 ZWANG_ONCE void ColPivHouseholderQR<MatrixXd>::computeInPlace();
 ZWANG_ONCE void CompleteOrthogonalDecomposition<MatrixXd>::computeInPlace();
 ZWANG_ONCE SelfAdjointEigenSolver<MatrixXd>& SelfAdjointEigenSolver<MatrixXd>::compute(const EigenBase<MatrixXd>&, int);
-ZWANG_ONCE void SparseLLT::ordering(const ByColumns&, const ByColumns*&, ByColumns&);
-ZWANG_ONCE void SparseLLT::analyzePattern_preordered(const ByColumns&, bool);
-ZWANG_ONCE void SparseLLT::factorize_preordered<false>(const ByColumns&);
-ZWANG_ONCE void SparseLDLT::ordering(const ByColumns&, const ByColumns*&, ByColumns&);
-ZWANG_ONCE void SparseLDLT::analyzePattern_preordered(const ByColumns&, bool);
-ZWANG_ONCE void SparseLDLT::factorize_preordered<true>(const ByColumns&);
-ZWANG_ONCE ByRows& ByRows::operator=(const SparseMatrixBase<ByColumns>&);
-ZWANG_ONCE ByColumns& ByColumns::operator=(const SparseMatrixBase<ByRows>&);
-ZWANG_ONCE double& ByColumns::insert(Index, Index);
-ZWANG_ONCE double& ByColumns::insertUncompressed(Index, Index);
+ZWANG_ONCE void SimplicialCholeskyBase<SimplicialLLT<ByCols>>::ordering(const ByCols&, const ByCols*&, ByCols&);
+ZWANG_ONCE void SimplicialCholeskyBase<SimplicialLLT<ByCols>>::analyzePattern_preordered(const ByCols&, bool);
+ZWANG_ONCE void SimplicialCholeskyBase<SimplicialLLT<ByCols>>::factorize_preordered<false>(const ByCols&);
+ZWANG_ONCE void SimplicialCholeskyBase<SimplicialLDLT<ByCols>>::ordering(const ByCols&, const ByCols*&, ByCols&);
+ZWANG_ONCE void SimplicialCholeskyBase<SimplicialLDLT<ByCols>>::analyzePattern_preordered(const ByCols&, bool);
+ZWANG_ONCE void SimplicialCholeskyBase<SimplicialLDLT<ByCols>>::factorize_preordered<true>(const ByCols&);
+ZWANG_ONCE ByRows& ByRows::operator=(const SparseMatrixBase<ByCols>&);
+ZWANG_ONCE ByCols& ByCols::operator=(const SparseMatrixBase<ByRows>&);
+ZWANG_ONCE double& SparseMatrix<double>::insert(Index, Index);
+ZWANG_ONCE double& SparseMatrix<double>::insertUncompressed(Index, Index);
 }  // namespace Eigen
 
 namespace Eigen::internal {
 using Sizes = gebp_traits<double, double>;
 using Columns = const_blas_data_mapper<double, Index, ColMajor>;
 using Rows = const_blas_data_mapper<double, Index, RowMajor>;
-ZWANG_ONCE void minimum_degree_ordering(ByColumns&, PermutationMatrix<Dynamic, Dynamic, int>&);
-ZWANG_ONCE void assign_sparse_to_sparse(ByColumns&, const ByColumns&);
+ZWANG_ONCE void minimum_degree_ordering(ByCols&, PermutationMatrix<Dynamic, Dynamic, int>&);
+ZWANG_ONCE void assign_sparse_to_sparse(ByCols&, const ByCols&);
 ZWANG_ONCE void assign_sparse_to_sparse(ByRows&, const ByRows&);
 ZWANG_ONCE struct gebp_kernel<double, double, Index, blas_data_mapper<double, Index, ColMajor>, Sizes::mr, Sizes::nr,
                               false, false>;
