@@ -268,7 +268,11 @@ ConeProgram::Residual ConeProgram::residual(const Vector& y, const Vector& s) co
     out.natural = std::max(out.natural, own.natural);
     out.gap += own.gap;
     // And the normal row as a unit row, where its tangents are much longer or shorter.
-    if (const Row& row = row_[at(3 * k)]; row.unit >= 0) out.natural = std::max(out.natural, -s[3 * k] / row.factor);
+    if (const Row& row = row_[at(3 * k)]; row.unit >= 0) {
+      const double open = s[3 * k] / row.factor;
+      const bool blind = law_.lift == 1 && row.factor * tolerances::cone_far < 1;  // to what pushes and is open
+      out.natural = std::max({out.natural, -open, blind ? std::min(open, y[3 * k]) : 0});
+    }
   }
   for (Index r = 0; r < rays(); ++r) {
     const double l = y[3 * cones() + r], own = s[3 * cones() + r];

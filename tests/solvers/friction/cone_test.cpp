@@ -204,6 +204,19 @@ TEST(Cone, ThePinchIsInfeasibleUnderTheConvexLawOnly) {
   }
 }
 
+// In the unit of its tangents this row is nothing, whatever it pushes and however far it is open.
+TEST(Cone, AContactThatPushesAndIsOpenIsNotSolved) {
+  const Problem p =
+      friction_problem(vec({1, 1, 1}), vec({3, 3, 0}),
+                       {{inequality, vec({-1, -1, 3}) / 8, 1, 1}, {tangent, vec({-3, 3, 2}) * 0x1p19, 0}});
+  for (const char* solver : {"cone", "nsgs", "fixed_point"}) {
+    const Solution s = make_solver(solver).solve(p, {.tolerance = 1e-10});
+    if (s.status == Status::solved) {
+      EXPECT_LE((p.J.row(0).dot(s.z) - 1) * std::min(1.0, s.lambda[0]), 1e-8) << solver;
+    }
+  }
+}
+
 // JAM: no answer beyond mu = 3/4, and nobody may claim one.
 TEST(Cone, AJamWithoutAnswerIsNotSolved) {
   const auto jam = [](double mu, double c_t) {
