@@ -148,7 +148,7 @@ class Campaign:
 
     def start(self, tasks):
         """At most at_once of them at a time. What is started goes on when this program ends."""
-        r, job, words = self.record, shlex.quote(self.at("job.sh")), " ".join(map(str, tasks))
+        r, job, listed = self.record, shlex.quote(self.at("job.sh")), self.at("logs", "tasks.txt")
         require_engine(r["engine"])
         if r["engine"] == "slurm":
             code, said = shell(f"sbatch --parsable --array={ranges(tasks)}%{r['at_once']} {job}")
@@ -156,13 +156,17 @@ class Campaign:
                 fail("sbatch: " + " ".join(said.split()), BAD_FILE)
             r["started"].append({"id": said.partition(";")[0], "started": ""})
         else:
+            # Their numbers are in a file: a command has no room for 25,000.
+            with open(listed, "w") as file:
+                file.writelines(f"{task}\n" for task in tasks)
+            listed = shlex.quote(listed)
             # A session of its own: Ctrl-C at a terminal does not reach it. xargs would end with a task that is killed.
             if r["engine"] == "parallel":
                 joblog = shlex.quote(self.at("joblog.txt"))
-                command = f"setsid nohup parallel --joblog {joblog} -j {r['at_once']} {job} ::: {words} </dev/null"
+                command = f"setsid nohup parallel --joblog {joblog} -j {r['at_once']} {job} :::: {listed} </dev/null"
             else:
-                each = shlex.quote(f"{job} K || :")
-                command = f"printf '%s\\n' {words} | setsid nohup xargs -P {r['at_once']} -I K sh -c {each}"
+                each = shlex.quote(f'{job} "$0" || :')
+                command = f"setsid nohup xargs -a {listed} -P {r['at_once']} -n 1 sh -c {each}"
             code, said = shell(f"{{ {command} >>{shlex.quote(self.at('logs', 'engine.log'))} 2>&1 & }} ; echo $!")
             if code:
                 fail("starting tasks: " + " ".join(said.split()), BAD_FILE)

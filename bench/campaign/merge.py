@@ -190,8 +190,11 @@ class Lines:
         return text
 
 
-def append_traces(parts, out):
-    """Everything but results: curves of all parts. Of a point that is there twice the first is kept; what is torn is left out."""
+def append_others(parts, out):
+    """Everything but results: phenomena, which one part has, and curves of all. Of a point that is there twice the first is kept; what is
+    torn is left out."""
+    for file in [file for part in parts if os.path.exists(file := os.path.join(part, "conformance.jsonl"))][:1]:
+        shutil.copy(file, out)
     files, there = [file for part in parts if os.path.exists(file := os.path.join(part, "traces.jsonl"))], set()
 
     def is_new(line):
@@ -276,7 +279,7 @@ def merge(program, parts, out, command):
         for problem in range(len(cells.hashes)):
             results.writelines(there.text(*place) + b"\n" for place in recorded.get(problem, {}).values())
             results.writelines(there.read(cell) + b"\n" for cell in range(problem * cells.runs, (problem + 1) * cells.runs) if cell in there)
-    append_traces(parts, out)
+    append_others(parts, out)
     bad = copy_problems(program, cells, there, parts, out)
     write_record(parts, out, command, cells, present, machines, disagreeing)
 

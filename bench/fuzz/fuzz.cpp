@@ -156,7 +156,7 @@ void Fuzzer::against_truth(std::uint64_t number, const Problem& problem, const R
         ++t.undecided;
     } else if (has_z(s.status)) {
       const double error = truth.feasible ? distance(problem, s.z, truth.z) : std::numeric_limits<double>::infinity();
-      weigh_promise(i, number, problem, truth);
+      weigh_promise(i, number, problem, truth, error);
       const double limit = candidates_[i].exact ? exact_limit : other_limit;
       const bool right = error <= (std::isfinite(s.error_bound) ? std::max(limit, s.error_bound) : limit);
       if (right && s.status == Status::solved) {
@@ -179,14 +179,13 @@ void Fuzzer::against_truth(std::uint64_t number, const Problem& problem, const R
   }
 }
 
-void Fuzzer::weigh_promise(std::size_t i, std::uint64_t number, const Problem& problem, const Reference& truth) {
-  const auto& [name, exact, repeats, solver, s] = candidates_[i];
-  if (!std::isfinite(s.error_bound)) return;
-  const double error = truth.feasible ? distance(problem, s.z, truth.z) : std::numeric_limits<double>::infinity();
+void Fuzzer::weigh_promise(std::size_t i, std::uint64_t number, const Problem& p, const Reference& truth, double off) {
+  const double bound = candidates_[i].solution.error_bound;
+  if (!std::isfinite(bound)) return;
   ++tally_[i].promised;
-  tally_[i].tight += s.error_bound <= 10 * std::max(error, warm_limit);
-  if (!(error <= s.error_bound + truth.bound + warm_limit))
-    fault(i, number, shown("promises", s.error_bound) + shown(", z error", error), problem, &truth);
+  tally_[i].tight += bound <= 10 * std::max(off, warm_limit);
+  if (!(off <= bound + truth.bound + warm_limit))
+    fault(i, number, shown("promises", bound) + shown(", z error", off), p, &truth);
 }
 
 void Fuzzer::promised_under_friction(std::uint64_t number, const Problem& problem) {
@@ -196,7 +195,7 @@ void Fuzzer::promised_under_friction(std::uint64_t number, const Problem& proble
     ++tally_[i].runs;
     if (const std::string wrong = misbehaviour(s); !wrong.empty()) fault(i, number, wrong, problem);
     const auto truth = std::isfinite(s.error_bound) ? convex_reference(of_slips(problem, s.z)) : std::nullopt;
-    if (truth) weigh_promise(i, number, problem, *truth);
+    if (truth) weigh_promise(i, number, problem, *truth, distance(problem, s.z, truth->z));
     ++(truth ? tally_[i].solved : tally_[i].undecided);
   }
 }

@@ -92,7 +92,7 @@ class Fuzzer {
     Solution solution = {};
   };
   void against_truth(std::uint64_t number, const Problem& problem, const Reference& truth);
-  void weigh_promise(std::size_t i, std::uint64_t number, const Problem& problem, const Reference& truth);
+  void weigh_promise(std::size_t i, std::uint64_t number, const Problem& problem, const Reference& truth, double error);
   void promised_under_friction(std::uint64_t number, const Problem& problem);
   void under_friction(std::uint64_t number, const Problem& problem);
   void with_spoilt_friction(std::uint64_t number, Problem problem);

@@ -24,7 +24,8 @@ def end_by(main, *arguments):
         try:
             code = main(*arguments)
         finally:
-            sys.stdout.flush()
+            if sys.stdout:  # else it is closed
+                sys.stdout.flush()
     except BrokenPipeError:
         signal.signal(signal.SIGPIPE, signal.SIG_DFL)
         os.kill(os.getpid(), signal.SIGPIPE)

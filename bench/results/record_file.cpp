@@ -31,7 +31,7 @@ Json load_record(const fs::path& directory, const std::string& kind) {
 }
 
 void replace_record(const fs::path& directory, const Json& record) {
-  replace_file(directory / "run.json", record.dump(2) + "\n");
+  replace_file(directory / "run.json", record.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
 }
 
 void require_same_conditions(const fs::path& directory, const Json& stored, const std::string& therefore,

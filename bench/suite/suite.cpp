@@ -81,7 +81,8 @@ Outcome run_suite(const Plan& plan, const SuiteSettings& settings, const std::at
   outcome.tally = stored.tally;
   outcome.earlier = stored.tally.runs;
   // A complete run stays as it is, its curves too.
-  if (stored.tally.runs == plan.size() && stored.damaged == 0 && !read_run_record(directory).finished.empty()) {
+  if (plan.size() > 0 && stored.tally.runs == plan.size() && stored.damaged == 0 &&
+      !read_run_record(directory).finished.empty()) {
     require_same_problems(directory, plan);
     return outcome;
   }

@@ -35,8 +35,10 @@ def catches(process, number):
 
 
 with tempfile.TemporaryDirectory() as folder:
-    os.chdir(folder)
     os.environ["XDG_CACHE_HOME"] = folder
+    folder = os.path.join(folder, "K ' {}")  # nothing in a path means anything
+    os.mkdir(folder)
+    os.chdir(folder)
     words = suite(8)
     run([program, "bench", *words, "--out", "whole"])
     campaign = [program, "campaign", "quick", "--engine", engine, "--tasks", "4", "--at-once", "2", "--out", "it"]
@@ -47,6 +49,10 @@ with tempfile.TemporaryDirectory() as folder:
     # The parts are all that stands in parts/.
     parts = sorted(f"it/parts/{name}" for name in os.listdir("it/parts"))
     assert "0 of 72 runs are missing" in run([program, "bench", "--missing", *parts]), parts
+
+    # More tasks than problems: some have nothing to do, and say nothing of it.
+    out = run([program, "campaign", "quick", "--engine", engine, "--tasks", "5", "--out", "many", "--scenes", "tower(boxes=1..4)", *words[2:]])
+    assert "24 of 24 runs" in out and sorted(os.listdir("many/parts")) == list("01234"), out
 
     # Nothing is missing: coming back starts nothing and joins again.
     before = os.path.getmtime("it/parts/0/results.jsonl")

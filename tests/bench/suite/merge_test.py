@@ -102,6 +102,14 @@ with tempfile.TemporaryDirectory() as folder:
     with open("traced/traces.jsonl") as file:
         assert len(points) > 3 and sorted(file) == points
 
+    # The phenomena are the first part's.
+    for k in range(2):
+        run([program, "bench", "--suite", "quick", "--families", "tower", "--solvers", "nnls", "--accuracy", "--shard", f"{k}/2", "--out", f"quick{k}"])
+    assert os.path.getsize("quick0/conformance.jsonl") > 0 and not os.path.exists("quick1/conformance.jsonl")
+    run([program, "merge", "quick1", "quick0", "--out", "quick"])
+    with open("quick0/conformance.jsonl") as one, open("quick/conformance.jsonl") as other:
+        assert one.read() == other.read()
+
     # Disagreement.
     shutil.copytree("part1", "differs")
     change_line("differs", "iterations", 123456)
