@@ -104,24 +104,22 @@ struct Beside : C, OptionalMembers {};
 // An optional member that is a little off would be left out without a word.
 template <class C>
 constexpr bool require_optional_members() {
-  if constexpr (!std::is_final_v<C>) {
-    static_assert(
-        HasJacobian<C> || requires { &Beside<C>::jacobian; },
-        "jacobian(poses...) should be const, and return Mat<double, rows, 6 * bodies>");
-    static_assert(
-        HasCompliance<C> || requires { &Beside<C>::compliance; },
-        "compliance() should be const, and return Vec<double, rows>");
-    static_assert(
-        HasActive<C> || requires { &Beside<C>::active; }, "active(poses...) should be const, and return bool");
-    static_assert(
-        HasSlip<C> ||
-            requires(const C c) {
-              &Beside<C>::slip;
-              requires !requires { c.friction; };
-            },
-        "slip(poses...) should be const, return Slip<bodies>, and stand beside a number `friction` of one "
-        "inequality row");
-  }
+  static_assert(!std::is_final_v<C>, "a constraint should not be final: its optional members could not be looked at");
+  static_assert(
+      HasJacobian<C> || requires { &Beside<C>::jacobian; },
+      "jacobian(poses...) should be const, and return Mat<double, rows, 6 * bodies>");
+  static_assert(
+      HasCompliance<C> || requires { &Beside<C>::compliance; },
+      "compliance() should be const, and return Vec<double, rows>");
+  static_assert(HasActive<C> || requires { &Beside<C>::active; }, "active(poses...) should be const, and return bool");
+  static_assert(
+      HasSlip<C> ||
+          requires(const C c) {
+            &Beside<C>::slip;
+            requires !requires { c.friction; };
+          },
+      "slip(poses...) should be const, return Slip<bodies>, and stand beside a number `friction` of one "
+      "inequality row");
   return true;
 }
 

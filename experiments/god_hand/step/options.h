@@ -88,7 +88,7 @@ void each_option(SomeOptions& o, const Visit& visit) {
                    "a solve may end once a bound on its error is this, of any body or relative to the motion: 1e-4m/s, "
                    "1e-4; default: none"},
         o.accuracy);
-  visit(OptionText{"mu", "mu", "friction on objects; 0: none; default: 0.8, with --method paper none", from(0)}, o.mu);
+  visit(OptionText{"mu", "mu", "friction; 0: none; default: 0.8, with --method paper none", from_to(0, 1024)}, o.mu);
   visit(OptionText{"law", "law", "how friction is read (docs/formulation.md)"}, o.law, Words{"coulomb", "convex"});
   visit(OptionText{"limits", "limits", "rows of joint limits before they are met, or once violated"}, o.limits,
         Words{"predictive", "violated"});
