@@ -17,7 +17,7 @@ namespace {
 using referee::reduce;
 using Rational = boost::multiprecision::number<boost::multiprecision::gmp_rational, boost::multiprecision::et_off>;
 using Exact = VectorX<Rational>;
-using Rationals = Eigen::Matrix<Rational, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+using Rationals = MatrixX<Rational>;
 using Form = std::vector<std::pair<Index, Rational>>;  // sum of factor times row
 
 constexpr std::size_t most_misses = 6;
