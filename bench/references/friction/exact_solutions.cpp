@@ -17,7 +17,8 @@ namespace {
 using referee::reduce;
 using Rational = boost::multiprecision::number<boost::multiprecision::gmp_rational, boost::multiprecision::et_off>;
 using Exact = VectorX<Rational>;
-using Rationals = MatrixX<Rational>;
+// By rows: no column of a matrix is asked for where it has no memory.
+using Rationals = Eigen::Matrix<Rational, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 using Form = std::vector<std::pair<Index, Rational>>;  // sum of factor times row
 
 constexpr std::size_t most_misses = 6;
@@ -35,7 +36,11 @@ Rationals stacked(const Rationals& above, const Rationals& below) {
 }
 
 // a x + a_0 of each row (a, a_0).
-Exact values(const Rationals& forms, const Exact& x) { return forms.leftCols(x.size()) * x + forms.col(x.size()); }
+Exact values(const Rationals& forms, const Exact& x) {
+  Exact more(x.size() + 1);
+  more << x, 1;
+  return forms * more;
+}
 
 // A vertex of the points with A x = b, a row (A, b), where all of asked (a, a_0) have a x + a_0 >= 0; empty where there
 // is none. Solves the system. What it leaves open is asked to be zero in turn.
@@ -65,7 +70,7 @@ bool is_alone(Rationals system, const Rationals& asked, const Exact& x) {
   for (Index i = 0; i < asked.rows(); ++i)
     if (at_x[i] == 0) zero = stacked(zero, asked.row(i));
   system.col(unknowns).setZero();
-  zero.col(unknowns).setZero();
+  if (zero.rows() > 0) zero.col(unknowns).setZero();
   Rationals all = stacked(system, zero);
   if (std::ssize(reduce(all, unknowns)) < unknowns) return false;
   for (Index k = 0; k < unknowns; ++k)

@@ -183,6 +183,33 @@ TEST(FrictionReference, AgreesWithEnumerationOnPlanarScenes) {
   EXPECT_GE(denied, apart / 2);
 }
 
+TEST(FrictionReference, EnumeratesWhereAllRowsAreEqualities) {
+  Problem p{.name = "equalities", .z_u = Vector::Constant(2, 1), .law = Law::coulomb};
+  p.M = Matrix(Matrix::Identity(2, 2)).sparseView();
+  p.J = Matrix(Matrix::Identity(2, 2)).sparseView();
+  p.c = p.mu = Vector::Zero(2);
+  p.kind.assign(2, RowKind::equality);
+  p.key = {{1, 0}, {2, 0}};
+  const std::optional<ExactSolutions> all = enumerate_planar(p);
+  ASSERT_TRUE(all && all->complete());
+  ASSERT_EQ(all->solutions().size(), 1u);
+  EXPECT_EQ(all->solutions()[0].z, Vector::Zero(2));
+  EXPECT_EQ(all->solutions()[0].lambda, Vector::Constant(2, -1));
+}
+
+TEST(FrictionReference, EnumeratesWithoutUnknowns) {
+  Problem p{.name = "nothing", .law = Law::coulomb};
+  p.M.resize(0, 0);
+  p.J.resize(1, 0);
+  p.c = Vector::Constant(1, -1);
+  p.mu = Vector::Zero(1);
+  p.kind = {RowKind::inequality};
+  p.key = {{1, 0}};
+  const std::optional<ExactSolutions> all = enumerate_planar(p);
+  ASSERT_TRUE(all && all->complete());
+  EXPECT_EQ(all->solutions().size(), 1u);
+}
+
 // With one tangent K* is the pyramid: the frictionless referee judges the same z by its own proofs.
 TEST(FrictionReference, ConvexLawWithOneTangentIsThePyramid) {
   int judged = 0;
