@@ -191,11 +191,13 @@ class Lines:
 
 
 def append_others(parts, out):
-    """Everything but results: phenomena, which one part has, and curves of all. Of a point that is there twice the first is kept; what is
-    torn is left out."""
-    for file in [file for part in parts if os.path.exists(file := os.path.join(part, "conformance.jsonl"))][:1]:
+    """Everything but results: phenomena and sequences, which one part has, and curves of all. Of a point that is there twice the first is
+    kept; what is torn is left out."""
+    def of_all(name):
+        return [file for part in parts if os.path.exists(file := os.path.join(part, name))]
+    for file in [*of_all("conformance.jsonl")[:1], *of_all("speed.jsonl")[:1]]:
         shutil.copy(file, out)
-    files, there = [file for part in parts if os.path.exists(file := os.path.join(part, "traces.jsonl"))], set()
+    files, there = of_all("traces.jsonl"), set()
 
     def is_new(line):
         try:

@@ -201,10 +201,10 @@ Plan make_plan(SuiteOptions options, std::span<const SolverEntry> among) {
       suite.fills_time && options.scenes == suite.scenes && options.problems.empty() && options.families.empty();
   plan.limit_s = suite.limit_s;
   const bool own_scenes = options.scenes == suite.scenes && options.problems.empty() && options.instances.empty();
-  plan.conformance = suite.conformance && own_scenes && (options.shard.empty() || options.shard.starts_with("0/"));
   if (own_scenes && options.laws.empty()) options.laws = suite.laws;
   options.accuracy |= suite.accuracy;
   plan.shard = read_shard(options.shard);
+  plan.conformance = suite.conformance && own_scenes && plan.shard.part == 0;
   if (!options.shard.empty()) {
     if (suite.speed)
       throw std::invalid_argument("the suite " + options.suite + " times sequences on one machine and has no parts");

@@ -158,7 +158,8 @@ Outcome run_suite(const Plan& plan, const SuiteSettings& settings, const std::at
 
   if (!interrupted && plan.conformance) write_phenomena(directory, plan.tightest_runs(), desk, interrupted);
   if (!interrupted && plan.speed) write_speed(directory, settings.cache, plan.runs, 80, desk, interrupted);
-  if (!interrupted && plan.options.sequence) write_sequences(plan, directory, settings.cache, desk, interrupted);
+  if (!interrupted && plan.options.sequence && plan.shard.part == 0)
+    write_sequences(plan, directory, settings.cache, desk, interrupted);
   if (!interrupted && !plan.speed && !plan.answers && (plan.shard.of == 1 || plan.options.trace)) {
     double budget = 10;
     if (plan.whole_suite && plan.limit_s > 0) budget = std::max(0.05 * plan.limit_s, plan.limit_s - schedule.elapsed());

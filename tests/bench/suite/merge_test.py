@@ -110,6 +110,15 @@ with tempfile.TemporaryDirectory() as folder:
     with open("quick0/conformance.jsonl") as one, open("quick/conformance.jsonl") as other:
         assert one.read() == other.read()
 
+    # So are sequences of frames, which are timed whole.
+    frames = ["--scenes", "FLIP(k=3,frame=0..3)", "--solvers", "nnls", "--tolerances", "1e-6", "--sequence"]
+    for k in range(2):
+        run([program, "bench", *frames, "--shard", f"{k}/2", "--out", f"frames{k}"])
+    assert os.path.getsize("frames0/speed.jsonl") > 0 and not os.path.exists("frames1/speed.jsonl")
+    run([program, "merge", "frames1", "frames0", "--out", "frames"])
+    with open("frames0/speed.jsonl") as one, open("frames/speed.jsonl") as other:
+        assert one.read() == other.read()
+
     # Disagreement.
     shutil.copytree("part1", "differs")
     change_line("differs", "iterations", 123456)
