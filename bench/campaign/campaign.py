@@ -148,7 +148,7 @@ class Campaign:
 
     def start(self, tasks):
         """At most at_once of them at a time. What is started goes on when this program ends."""
-        r, job, listed = self.record, shlex.quote(self.at("job.sh")), self.at("logs", "tasks.txt")
+        r, job = self.record, shlex.quote(self.at("job.sh"))
         require_engine(r["engine"])
         if r["engine"] == "slurm":
             code, said = shell(f"sbatch --parsable --array={ranges(tasks)}%{r['at_once']} {job}")
@@ -157,9 +157,9 @@ class Campaign:
             r["started"].append({"id": said.partition(";")[0], "started": ""})
         else:
             # Their numbers are in a file: a command has no room for 25,000.
-            with open(listed, "w") as file:
+            with open(self.at("logs", "tasks.txt"), "w") as file:
                 file.writelines(f"{task}\n" for task in tasks)
-            listed = shlex.quote(listed)
+            listed = shlex.quote(file.name)
             # A session of its own: Ctrl-C at a terminal does not reach it. xargs would end with a task that is killed.
             if r["engine"] == "parallel":
                 joblog = shlex.quote(self.at("joblog.txt"))

@@ -148,7 +148,7 @@ std::vector<NamedArray> read_npz(const StoredFile& file) {
     std::string name(zip.at(at + 46, name_size));
     if (std::uint64_t wide = at + 46 + name_size; more >= 4 && zip.number(wide, 2) == 1)  // what 32 bits cannot hold
       for (std::uint64_t* field : {&size, &packed, &local})
-        if (*field == 0xffffffff) *field = zip.number(std::exchange(wide, wide + 8) + 4, 8);
+        if (*field == 0xffffffff) *field = zip.number((wide += 8) - 4, 8);
     at += 46 + name_size + more + zip.number(at + 32, 2);
     if (name.ends_with(".npy")) name.resize(name.size() - 4);
     const std::string who = file.path.string() + ", " + name;

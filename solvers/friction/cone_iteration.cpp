@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <cstring>
 
 namespace zwang {
 
@@ -66,8 +65,9 @@ void ConeIteration::end() {
   if (!std::isnan(solution_->error_bound)) return;
   if (solution_->status == Status::iteration_limit) {
     solution_->message.resize(80);  // of its own: else it would be allocated anew
-    std::snprintf(solution_->message.data(), 80, "the residual stays at %.1e of the motion", residual());
-    solution_->message.resize(std::strlen(solution_->message.data()));
+    const int length =
+        std::snprintf(solution_->message.data(), 80, "the residual stays at %.1e of the motion", residual());
+    solution_->message.resize(at(length));
   }
   if (std::isfinite(residual_)) {
     program.write(*problem_, v, y, *solution_);
