@@ -36,11 +36,7 @@ Rationals stacked(const Rationals& above, const Rationals& below) {
 }
 
 // a x + a_0 of each row (a, a_0).
-Exact values(const Rationals& forms, const Exact& x) {
-  Exact more(x.size() + 1);
-  more << x, 1;
-  return forms * more;
-}
+Exact values(const Rationals& forms, const Exact& x) { return forms * (Exact(x.size() + 1) << x, 1).finished(); }
 
 // A vertex of the points with A x = b, a row (A, b), where all of asked (a, a_0) have a x + a_0 >= 0; empty where there
 // is none. Solves the system. What it leaves open is asked to be zero in turn.
