@@ -65,15 +65,12 @@ void ConeIteration::end() {
   if (!std::isnan(solution_->error_bound)) return;
   if (solution_->status == Status::iteration_limit) {
     solution_->message.resize(80);  // of its own: else it would be allocated anew
-    const int length =
-        std::snprintf(solution_->message.data(), 80, "the residual stays at %.1e of the motion", residual());
-    solution_->message.resize(at(length));
+    const int n = std::snprintf(solution_->message.data(), 80, "the residual stays at %.1e of the motion", residual());
+    solution_->message.resize(at(n));
   }
-  if (std::isfinite(residual_)) {
-    program.write(*problem_, v, y, *solution_);
-    return promise_.judge(*problem_, *options_, *solution_, (y.array() != 0).count() > v.size() ? work_ : infinity);
-  }
-  solution_->empty_answer();
+  if (!std::isfinite(residual_)) return solution_->empty_answer();
+  program.write(*problem_, v, y, *solution_);
+  promise_.judge(*problem_, *options_, *solution_, (y.array() != 0).count() > v.size() ? work_ : infinity);
 }
 
 }  // namespace zwang

@@ -204,20 +204,26 @@ double NewtonPolish::bound_at(AugmentedLagrangian& L) {
 }
 
 // Where rows nearly depend on each other, a violation that the widest scalar hides may be worth any motion, and the
-// rate of convergence does not tell: what it would be seen by is below rounding from the start. A motion that cannot
-// open the rows, or move equality rows at will, does tell; of equality rows that depend on each other exactly, which do
-// no harm, the combination that is zero is found then. At one turn the parts may happen to suit rows that face others.
+// rate of convergence does not tell: it is below rounding from the start. A motion that cannot open the rows, or move
+// equality rows at will, does tell; of equality rows that depend exactly, which do no harm, the combination that is
+// zero is found then. Entries left out of its rows (faint) may be all it leaves. At one turn the parts may happen to
+// suit rows that face others.
 bool NewtonPolish::is_doubtful(AugmentedLagrangian& L) {
   open(L, false);
   if (!(bound(L) <= tolerances::newton_doubt * L.scale)) return true;
   if (std::ranges::count(L.rows.equality, 1) == 0) return false;
   const auto is_there = [&] { return missed_.lpNorm<Eigen::Infinity>() > tolerances::newton_unmoved; };
+  const auto combines = [&](const UnitRows::Faint& e) {
+    return std::abs(missed_[std::ranges::lower_bound(L.rows.row, e.row) - L.rows.row.begin()]) >
+           tolerances::newton_unmoved;
+  };
   for (const double turn : {0.0, 2.0}) {
     open(L, true, turn);
     if (is_there()) contract(L, missed_);
     if (!is_there()) continue;
     step_ = force_.cast<double>();
-    if (L.force_norm(step_) > static_cast<double>(tolerances::rank * real_eps) ||
+    if (std::ranges::any_of(L.rows.faint, combines) ||
+        L.force_norm(step_) > static_cast<double>(tolerances::rank * real_eps) ||
         std::abs(missed_.dot(violation_)) > real_eps * missed_.cwiseAbs().dot(violation_.cwiseAbs()))
       return true;
   }
@@ -242,9 +248,8 @@ bool NewtonPolish::judge(AugmentedLagrangian& L, double tolerance, const Deadlin
   const int steps = s.iterations;
   const bool settles = run(L, tolerance, deadline, s);
   s.iterations = steps;
-  if (!settles) return false;
   step_ = (d_ - L.d.cast<Real>()).cast<double>();
-  if (!(L.mass_norm(step_) <= accepted_error(tolerance) * L.scale)) return false;
+  if (!settles || !(L.mass_norm(step_) <= accepted_error(tolerance) * L.scale)) return false;
   L.write(L.d, L.l, s);
   return true;
 }

@@ -17,9 +17,8 @@ namespace {
 using referee::reduce;
 using Rational = boost::multiprecision::number<boost::multiprecision::gmp_rational, boost::multiprecision::et_off>;
 using Exact = VectorX<Rational>;
-// By rows: no column of a matrix is asked for where it has no memory.
-using Rationals = Eigen::Matrix<Rational, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-using Form = std::vector<std::pair<Index, Rational>>;  // sum of factor times row
+using Rationals = Eigen::Matrix<Rational, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;  // may have no rows
+using Form = std::vector<std::pair<Index, Rational>>;                                        // sum of factor times row
 
 constexpr std::size_t most_misses = 6;
 constexpr Index most_contracting = 4;  // contacts: their Delassus matrix is eliminated

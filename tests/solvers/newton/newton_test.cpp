@@ -84,6 +84,19 @@ TEST(Newton, BoundsAnswersOfIndependentRowsNearby) {
   }
 }
 
+// Equality rows that only an entry tells apart which is nothing beside the others: z = (1, 0).
+TEST(Newton, NothingIsClaimedOfRowsThatAnEntryBelowRoundingTellsApart) {
+  for (const double entry : {1e-16, 1e-19, 1e-20, 1e-30}) {
+    const Problem p = test::make_problem(
+        Vector::Ones(2), Eigen::Vector2d(3, 4),
+        {{RowKind::equality, Eigen::Vector2d(1, 0), 1}, {RowKind::equality, Eigen::Vector2d(1, entry), 1}});
+    for (const char* name : {"newton", "newton:polish=off"}) {
+      const Solution s = make_solver(name).solve(p);
+      EXPECT_TRUE(s.status != Status::solved || z_error(p, s.z, Eigen::Vector2d(1, 0)) <= 1e-8) << name << " " << entry;
+    }
+  }
+}
+
 // What is promised of a speed is returned relative to the motion, of which z_u is no measure here.
 TEST(Newton, PromisesOfASpeedHoldFromRest) {
   Problem problem = make_scenes("stack(boxes=60)").front().problem;
