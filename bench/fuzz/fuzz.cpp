@@ -18,11 +18,9 @@
 namespace zwang {
 namespace {
 
-constexpr double tolerance = 1e-10, exact_limit = 1e-9, other_limit = 1e4 * tolerance;
-constexpr double warm_limit = 1e-12;
-constexpr int patience = 500;  // iterations of first-order methods
+constexpr double tolerance = 1e-10, exact_limit = 1e-9, other_limit = 1e4 * tolerance, warm_limit = 1e-12;
+constexpr int patience = 500, frames = 256;  // iterations of first-order methods; of a film
 constexpr std::uint64_t warm_every = 4, spoil_every = 8, film_every = 2000;
-constexpr int frames = 256;
 
 // |a - b|_M / max(|z_u|_M, |b|_M).
 double distance(const Problem& p, const Vector& a, const Vector& b) {

@@ -76,7 +76,7 @@ double ExtendedPolish<Real>::correction(ActiveRows& active) {
 
 // False when the corrections do not shrink: the factors no longer describe the rows. What stands along the smallest
 // pivot shrinks by `rate` a pass, which larger corrections hide: two of them alone once foretold an end ten digits
-// away.
+// away. Corrections that stay alike, and are no rounding, foretell many: a row is no clear one, as doubles took it for.
 template <class Real>
 bool ExtendedPolish<Real>::refine(ActiveRows& active) {
   using std::ldexp, std::sqrt;
@@ -97,7 +97,9 @@ bool ExtendedPolish<Real>::refine(ActiveRows& active) {
     if (!std::isfinite(length)) return false;
     error_ = step > 0 ? length * std::min(1.0, std::max(length / last, rate)) : length;  // the next correction
     if (error_ <= tolerances::extended_change * real_eps * scale_) return true;
-    if (step > 1 && length > tolerances::no_contraction * last) return length <= tolerances::stalled * scale_;
+    const bool alike = step > 1 && length > tolerances::no_contraction * last;
+    if (alike && length > doubt_active(active)) error_ = length < last ? length / (1 - length / last) : scale_;
+    if (alike) return length <= tolerances::stalled * scale_;
     last = length;
   }
   return true;
@@ -300,10 +302,10 @@ bool ExtendedPolish<Real>::certify(const Problem& p, const Whitened& w, ActiveRo
 
 // What rounding in Real hides in the active rows' violations, over the smallest pivot, and in the sum of their forces.
 template <class Real>
-void ExtendedPolish<Real>::doubt_active(const ActiveRows& active) {
+double ExtendedPolish<Real>::doubt_active(const ActiveRows& active) {
   double square = 0, forces = 0;
   for (const Index i : active.rows()) square += hidden(i) * hidden(i), forces += std::abs(static_cast<double>(unit(i)));
-  error_ += tolerances::pivot_margin * std::sqrt(square) / active.smallest_pivot() + real_eps * forces;
+  return tolerances::pivot_margin * std::sqrt(square) / active.smallest_pivot() + real_eps * forces;
 }
 
 // What the residuals of the active rows, and rounding in them, can make of a row g = G_A' mu_.
@@ -560,7 +562,7 @@ bool ExtendedPolish<Real>::run(const Problem& p, const Whitened& w, ActiveRows& 
     Real worst = tolerances::wide_violation * real_eps;
     Index entering = violated_row(worst);
     if (entering < 0) {
-      doubt_active(active);
+      error_ += doubt_active(active);
       entering = doubt_others(active, limit, passes_on);
     }
     if (entering < 0) {

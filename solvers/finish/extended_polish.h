@@ -81,7 +81,7 @@ class ExtendedPolish {
     active.drop(position);
   }
   double inherited(const ActiveRows& active, Index column);
-  void doubt_active(const ActiveRows& active);
+  double doubt_active(const ActiveRows& active);
   Doubt doubt(Index i);
   Index doubt_others(ActiveRows& active, double limit, bool passes_on);
   Index doubt_these(ActiveRows& active, std::span<const Index> rows, double limit, bool passes_on);

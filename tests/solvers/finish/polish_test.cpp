@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <zwang/solvers/registry.h>
 #include "tests/solvers/brute_force.h"
+#include "tests/solvers/small_problems.h"
 #include "tests/solvers/yardsticks.h"
 
 namespace zwang {
@@ -36,6 +38,38 @@ TEST(ExtendedPolish, InDoubleDoubleAloneAgreesWithEnumerationAndBoundsItsError) 
   }
   EXPECT_GT(solved, 100);
   EXPECT_GT(bounded, 50);
+}
+
+// Rows 2^-44 and 2^-38 from others: doubles take the last of four active rows for a clear one, depending on their
+// order, and corrections of 1e-13 of the motion lead to it, a thousandth of a thousandth of the way each.
+TEST(ExtendedPolish, ARowThatManySmallCorrectionsWouldReachIsNotCalledSolved) {
+  const double near = 0x1p-44, less = 0x1p-38;
+  std::vector<test::Row> contacts = {
+      {RowKind::inequality, test::vec({4, 0, -4, 12}), -24},
+      {RowKind::inequality, test::vec({1, 0, 0, -3}), 1},
+      {RowKind::inequality, test::vec({1 - near, near, -1, 3}), -6 + 4 * near},
+      {RowKind::inequality, test::vec({-2, 1, 3, 3}), 4},
+      {RowKind::inequality, test::vec({1 - less, 0, less / 2, -3 + less / 2}), 1 + 2 * less},
+  };
+  std::vector<Index> order = {0, 1, 2, 3, 4}, columns = {0, 1, 2, 3};
+  do {
+    for (int turn = 0; turn < 4; ++turn) {
+      std::ranges::rotate(columns, columns.begin() + 1);
+      const auto placed = [&](const Vector& v) { return Vector(v(columns)); };
+      std::vector<test::Row> rows = {{RowKind::equality, placed(test::vec({1, 0, -1, 3})), -6},
+                                     {RowKind::equality, placed(test::vec({1, 1, -1, 0})), -1}};
+      for (const Index i : order) {
+        rows.push_back(contacts[static_cast<std::size_t>(i)]);
+        rows.back().J = placed(rows.back().J);
+      }
+      const Problem p = test::make_problem(Vector::Ones(4), placed(test::vec({3, -4, 1, -1})), rows);
+      for (const char* name : {"nnls", "cholesky", "dual_active_set"}) {
+        const Solution s = make_solver(name).solve(p);
+        EXPECT_TRUE(s.status != Status::solved || test::z_error(p, s.z, placed(test::vec({-2, 2, 1, -1}))) <= 1e-9)
+            << name;
+      }
+    }
+  } while (std::ranges::next_permutation(order).found);
 }
 
 }  // namespace
